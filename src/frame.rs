@@ -1,0 +1,128 @@
+//! What a renderer needs of one moment: the seam between simulation and picture.
+//!
+//! The simulation publishes a [`Frame`]; the renderer, the exporters of pictures and the viewer
+//! read it. Positions are `f32` here and nowhere below.
+
+use std::sync::Arc;
+
+/// The drawable surface of a body; shared between frames until the topology changes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceTopology {
+    /// Triangles, corner indices into the body's frame vertices, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Colour group of each triangle: an index into [`BodyFrame::palette_srgb`] (one per material).
+    pub triangle_material: Vec<u32>,
+    /// Whether the triangle is a crack face, born by fracture; gets its own tint.
+    pub triangle_is_crack: Vec<bool>,
+    /// Tetrahedron behind each triangle, an index into the body's elements.
+    pub triangle_element: Vec<u32>,
+}
+
+/// Values at the vertices of a body's surface that pictures can be coloured by.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct VertexFields {
+    /// Speed, m/s.
+    pub speed_m_s: Vec<f32>,
+    /// Length of the displacement from the rigidly moved reference shape, m.
+    pub displacement_m: Vec<f32>,
+    /// Von Mises equivalent stress (uniaxial scale, sqrt(3 J2)), Pa; volume-weighted nodal mean.
+    pub von_mises_pa: Vec<f32>,
+    /// Largest principal Cauchy stress, Pa.
+    pub max_principal_pa: Vec<f32>,
+    /// Smallest principal Cauchy stress, Pa.
+    pub min_principal_pa: Vec<f32>,
+    /// Mean normal stress (tension positive), Pa.
+    pub mean_stress_pa: Vec<f32>,
+}
+
+/// How a body takes part, which pictures may show (the ground is drawn more quietly).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BodyRole {
+    /// Deforms and moves.
+    #[default]
+    Deformable,
+    /// Never moves (ground, wall).
+    Fixed,
+    /// Moves by prescription (a press platen).
+    Kinematic,
+}
+
+/// One body at one moment.
+#[derive(Clone, Debug, Default)]
+pub struct BodyFrame {
+    /// Name from the scene.
+    pub name: Arc<str>,
+    /// Role of the body.
+    pub role: BodyRole,
+    /// Base colours, sRGB 0..1, one per material of the body.
+    pub palette_srgb: Arc<[[f32; 3]]>,
+    /// Surface triangles.
+    pub surface: Arc<SurfaceTopology>,
+    /// World positions of the surface vertices, metres.
+    pub positions_m: Vec<[f32; 3]>,
+    /// Values to colour by; each vector is as long as `positions_m`.
+    pub fields: VertexFields,
+}
+
+/// A place where bodies press on each other, for drawing contact marks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactMark {
+    /// World position, metres.
+    pub position_m: [f32; 3],
+    /// Force on the first body, newtons.
+    pub force_n: [f32; 3],
+}
+
+/// Numbers that a caption or a status line shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameStatus {
+    /// Stage of the step: `"free travel"`, `"beginning of collision"`, `"collision"`, `"resting"`.
+    pub stage: String,
+    /// Last step, seconds.
+    pub step_s: f64,
+    /// Number of tetrahedra.
+    pub elements: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Active contact pairs.
+    pub contact_pairs: usize,
+    /// Connected pieces of the deformable bodies.
+    pub fragments: usize,
+    /// Bodies at rest and skipped.
+    pub sleeping_bodies: usize,
+    /// Steps taken since the start.
+    pub steps: u64,
+}
+
+/// Everything drawable of one moment.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Simulated time, seconds.
+    pub time_s: f64,
+    /// The bodies, in scene order.
+    pub bodies: Vec<BodyFrame>,
+    /// Contacts of the last step.
+    pub contacts: Vec<ContactMark>,
+    /// Numbers for captions.
+    pub status: FrameStatus,
+}
+
+impl Frame {
+    /// Smallest and largest world coordinates over the moving bodies, or over all bodies when
+    /// nothing moves; `None` when there is nothing to draw. Metres.
+    #[must_use]
+    pub fn bounds_m(&self) -> Option<([f32; 3], [f32; 3])> {
+        let moving = self.bodies.iter().filter(|b| b.role != BodyRole::Fixed);
+        bounds_of(moving).or_else(|| bounds_of(self.bodies.iter()))
+    }
+}
+
+fn bounds_of<'a>(bodies: impl Iterator<Item = &'a BodyFrame>) -> Option<([f32; 3], [f32; 3])> {
+    bodies.flat_map(|b| &b.positions_m).fold(None, |bounds, p| {
+        let (low, high) = bounds.unwrap_or((*p, *p));
+        Some((
+            std::array::from_fn(|i| low[i].min(p[i])),
+            std::array::from_fn(|i| high[i].max(p[i])),
+        ))
+    })
+}

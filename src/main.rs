@@ -1,0 +1,5 @@
+//! The `hammerfall` program: parse, run, exit status.
+
+fn main() -> std::process::ExitCode {
+    hammerfall::cli::main()
+}
