@@ -51,11 +51,7 @@ impl World {
     /// # Errors
     /// [`SimError::Setup`] when a body, material or parameter is unsound or bodies overlap.
     pub fn new(setup: WorldSetup) -> Result<Self, SimError> {
-        Ok(Self {
-            setup,
-            time_s: 0.0,
-            steps: 0,
-        })
+        Ok(Self { setup, time_s: 0.0, steps: 0 })
     }
 
     /// Simulated time, s.
@@ -72,11 +68,7 @@ impl World {
         let step_s = (limit_s - self.time_s).min(1e-3);
         self.time_s += step_s;
         self.steps += 1;
-        Ok(StepReport {
-            time_s: self.time_s,
-            step_s,
-            ..StepReport::default()
-        })
+        Ok(StepReport { time_s: self.time_s, step_s, ..StepReport::default() })
     }
 
     /// The balances now.

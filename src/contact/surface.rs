@@ -1,0 +1,140 @@
+//! What contact needs of a body's surface: triangles, edges, nodes, local sizes.
+
+use super::geometry::unit_normal;
+use glam::DVec3;
+
+/// Edges whose faces fold by less than this (cosine of the angle between the normals) are inner lines of
+/// a flat face: node-triangle contact covers them.
+const FLAT_EDGE_COSINE: f64 = 0.999;
+
+/// A surface edge with the one or two triangles at it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurfaceEdge {
+    /// End nodes, ascending.
+    pub nodes: [u32; 2],
+    /// Triangles at the edge; the same one twice at an open border.
+    pub triangles: [u32; 2],
+    /// Whether the edge is sharp and convex in the reference shape, so that it can meet other edges.
+    pub is_sharp: bool,
+}
+
+/// The surface of one body, in terms of its own node indices.
+#[derive(Clone, Debug, Default)]
+pub struct ContactSurface {
+    /// Triangles, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Edges, each once.
+    pub edges: Vec<SurfaceEdge>,
+    /// Nodes on the surface, ascending.
+    pub nodes: Vec<u32>,
+    /// Local element size of each triangle: square root of twice its area, m.
+    pub triangle_size_m: Vec<f64>,
+    /// For each triangle, which of its corners it speaks for when pairs are enumerated by triangles,
+    /// so that no node is met twice.
+    pub owns_node: Vec<[bool; 3]>,
+    /// For each triangle, the edges it speaks for.
+    pub owned_edges: Vec<[Option<u32>; 3]>,
+}
+
+impl ContactSurface {
+    /// Builds the surface from its triangles and the reference positions of the body's nodes.
+    #[must_use]
+    pub fn new(triangles: Vec<[u32; 3]>, reference_m: &[DVec3]) -> Self {
+        let corners = |t: &[u32; 3]| t.map(|n| reference_m[n as usize]);
+        let triangle_size_m = triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = corners(t);
+                (b - a).cross(c - a).length().sqrt()
+            })
+            .collect();
+        let edges = edges_of(&triangles, reference_m);
+        let mut nodes: Vec<u32> = triangles.iter().flatten().copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let owns_node = first_owner_of_nodes(&triangles, reference_m.len());
+        let mut owned_edges = vec![[None; 3]; triangles.len()];
+        for (index, edge) in edges.iter().enumerate() {
+            let slots = &mut owned_edges[edge.triangles[0] as usize];
+            let free = slots.iter().position(Option::is_none).unwrap_or(2);
+            slots[free] = Some(index as u32);
+        }
+        Self { triangles, edges, nodes, triangle_size_m, owns_node, owned_edges }
+    }
+
+    /// Corner positions of a triangle, m.
+    #[must_use]
+    pub fn corners_m(&self, triangle: u32, positions_m: &[DVec3]) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|n| positions_m[n as usize])
+    }
+}
+
+fn first_owner_of_nodes(triangles: &[[u32; 3]], node_count: usize) -> Vec<[bool; 3]> {
+    let mut is_taken = vec![false; node_count];
+    triangles.iter().map(|t| t.map(|n| !std::mem::replace(&mut is_taken[n as usize], true))).collect()
+}
+
+fn edges_of(triangles: &[[u32; 3]], reference_m: &[DVec3]) -> Vec<SurfaceEdge> {
+    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(triangles.len() * 3);
+    for (index, t) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            sides.push(([a.min(b), a.max(b)], index as u32));
+        }
+    }
+    sides.sort_unstable();
+    let mut edges = Vec::with_capacity(sides.len() / 2);
+    let mut next = 0;
+    while next < sides.len() {
+        let (nodes, first) = sides[next];
+        // Surfaces that touch along an edge have four faces there; they are taken two by two.
+        let second = sides.get(next + 1).filter(|s| s.0 == nodes).map(|s| s.1);
+        next += if second.is_some() { 2 } else { 1 };
+        let at = [first, second.unwrap_or(first)];
+        edges.push(SurfaceEdge { nodes, triangles: at, is_sharp: is_sharp(triangles, at, reference_m) });
+    }
+    edges
+}
+
+fn is_sharp(triangles: &[[u32; 3]], at: [u32; 2], reference_m: &[DVec3]) -> bool {
+    if at[0] == at[1] {
+        return true;
+    }
+    let corners = at.map(|t| triangles[t as usize].map(|n| reference_m[n as usize]));
+    let normals = corners.map(unit_normal);
+    let is_folded = normals[0].dot(normals[1]) < FLAT_EDGE_COSINE;
+    // Convex: the other triangle lies below the first one's plane.
+    let centre = (corners[1][0] + corners[1][1] + corners[1][2]) / 3.0;
+    is_folded && (centre - corners[0][0]).dot(normals[0]) < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron() -> (Vec<[u32; 3]>, Vec<DVec3>) {
+        let nodes = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        (vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], nodes)
+    }
+
+    #[test]
+    fn every_node_and_edge_has_exactly_one_speaker() {
+        let (triangles, nodes) = tetrahedron();
+        let surface = ContactSurface::new(triangles, &nodes);
+        assert_eq!(surface.nodes, [0, 1, 2, 3]);
+        assert_eq!(surface.edges.len(), 6);
+        assert!(surface.edges.iter().all(|e| e.is_sharp && e.triangles[0] != e.triangles[1]));
+        let spoken_nodes = surface.owns_node.iter().flatten().filter(|o| **o).count();
+        let mut spoken: Vec<u32> = surface.owned_edges.iter().flatten().flatten().copied().collect();
+        spoken.sort_unstable();
+        assert_eq!((spoken_nodes, spoken), (4, vec![0, 1, 2, 3, 4, 5]));
+    }
+
+    #[test]
+    fn the_diagonal_of_a_flat_face_is_not_sharp() {
+        let nodes = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
+        let surface = ContactSurface::new(vec![[0, 1, 2], [0, 2, 3]], &nodes);
+        let diagonal = surface.edges.iter().find(|e| e.nodes == [0, 2]).unwrap();
+        assert!(!diagonal.is_sharp);
+    }
+}
