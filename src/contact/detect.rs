@@ -73,6 +73,25 @@ impl CollisionList {
         list
     }
 
+    /// The pairs of which at least one body passes.
+    #[must_use]
+    pub fn keep(&self, of: impl Fn(u32) -> bool) -> Self {
+        let mut kept = self.clone();
+        kept.held_nodes.retain(|(a, _, b)| of(*a) || of(*b));
+        kept.held_edges.retain(|(a, b, _, _)| of(*a) || of(*b));
+        kept
+    }
+
+    /// Adds another list.
+    pub fn merge(&mut self, other: Self) {
+        self.held_nodes.extend(other.held_nodes);
+        self.held_nodes.sort_unstable();
+        self.held_nodes.dedup();
+        self.held_edges.extend(other.held_edges);
+        self.held_edges.sort_unstable();
+        self.held_edges.dedup();
+    }
+
     /// Whether no pair pressed.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -255,10 +274,11 @@ fn edge_fan(view: &BodyView, edge: u32) -> EdgeFan {
 mod tests {
     use super::super::candidates::{SurfaceBoxes, between};
     use super::*;
+    use crate::mesh::Surface;
 
     fn tetrahedron(offset: DVec3) -> (ContactSurface, Vec<DVec3>) {
         let nodes: Vec<_> = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|x| x + offset).into();
-        (ContactSurface::new(vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], &nodes), nodes)
+        (ContactSurface::new(&Surface::of(&[[0, 1, 2, 3]]), &nodes), nodes)
     }
 
     fn count(offset: DVec3, velocity: DVec3, step_s: f64) -> usize {

@@ -1,6 +1,7 @@
 //! What contact needs of a body's surface: triangles, edges, nodes, local sizes.
 
 use super::geometry::unit_normal;
+use crate::mesh::Surface;
 use glam::DVec3;
 
 /// Edges whose faces fold by less than this (cosine of the angle between the normals) are inner lines of
@@ -9,7 +10,7 @@ const FLAT_EDGE_COSINE: f64 = 0.999;
 
 /// A surface edge with the one or two triangles at it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SurfaceEdge {
+pub struct ContactEdge {
     /// End nodes, ascending.
     pub nodes: [u32; 2],
     /// Triangles at the edge; the same one twice at an open border.
@@ -24,7 +25,7 @@ pub struct ContactSurface {
     /// Triangles, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Edges, each once.
-    pub edges: Vec<SurfaceEdge>,
+    pub edges: Vec<ContactEdge>,
     /// Nodes on the surface, ascending.
     pub nodes: Vec<u32>,
     /// Local element size of each triangle: square root of twice its area, m.
@@ -37,21 +38,27 @@ pub struct ContactSurface {
 }
 
 impl ContactSurface {
-    /// Builds the surface from its triangles and the reference positions of the body's nodes.
+    /// Takes over a mesh's boundary; `reference_m` are the reference positions of all its nodes.
     #[must_use]
-    pub fn new(triangles: Vec<[u32; 3]>, reference_m: &[DVec3]) -> Self {
-        let corners = |t: &[u32; 3]| t.map(|n| reference_m[n as usize]);
+    pub fn new(boundary: &Surface, reference_m: &[DVec3]) -> Self {
+        let triangles = boundary.triangles.clone();
         let triangle_size_m = triangles
             .iter()
             .map(|t| {
-                let [a, b, c] = corners(t);
+                let [a, b, c] = t.map(|n| reference_m[n as usize]);
                 (b - a).cross(c - a).length().sqrt()
             })
             .collect();
-        let edges = edges_of(&triangles, reference_m);
-        let mut nodes: Vec<u32> = triangles.iter().flatten().copied().collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let edges: Vec<ContactEdge> = boundary
+            .edges
+            .iter()
+            .map(|edge| ContactEdge {
+                nodes: edge.nodes,
+                triangles: edge.triangles,
+                is_sharp: is_sharp(&triangles, edge.triangles, reference_m),
+            })
+            .collect();
+        let nodes = boundary.nodes.clone();
         let owns_node = first_owner_of_nodes(&triangles, reference_m.len());
         let mut owned_edges = vec![[None; 3]; triangles.len()];
         for (index, edge) in edges.iter().enumerate() {
@@ -74,28 +81,6 @@ fn first_owner_of_nodes(triangles: &[[u32; 3]], node_count: usize) -> Vec<[bool;
     triangles.iter().map(|t| t.map(|n| !std::mem::replace(&mut is_taken[n as usize], true))).collect()
 }
 
-fn edges_of(triangles: &[[u32; 3]], reference_m: &[DVec3]) -> Vec<SurfaceEdge> {
-    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(triangles.len() * 3);
-    for (index, t) in triangles.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            sides.push(([a.min(b), a.max(b)], index as u32));
-        }
-    }
-    sides.sort_unstable();
-    let mut edges = Vec::with_capacity(sides.len() / 2);
-    let mut next = 0;
-    while next < sides.len() {
-        let (nodes, first) = sides[next];
-        // Surfaces that touch along an edge have four faces there; they are taken two by two.
-        let second = sides.get(next + 1).filter(|s| s.0 == nodes).map(|s| s.1);
-        next += if second.is_some() { 2 } else { 1 };
-        let at = [first, second.unwrap_or(first)];
-        edges.push(SurfaceEdge { nodes, triangles: at, is_sharp: is_sharp(triangles, at, reference_m) });
-    }
-    edges
-}
-
 fn is_sharp(triangles: &[[u32; 3]], at: [u32; 2], reference_m: &[DVec3]) -> bool {
     if at[0] == at[1] {
         return true;
@@ -112,15 +97,10 @@ fn is_sharp(triangles: &[[u32; 3]], at: [u32; 2], reference_m: &[DVec3]) -> bool
 mod tests {
     use super::*;
 
-    fn tetrahedron() -> (Vec<[u32; 3]>, Vec<DVec3>) {
-        let nodes = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-        (vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], nodes)
-    }
-
     #[test]
     fn every_node_and_edge_has_exactly_one_speaker() {
-        let (triangles, nodes) = tetrahedron();
-        let surface = ContactSurface::new(triangles, &nodes);
+        let nodes = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let surface = ContactSurface::new(&Surface::of(&[[0, 1, 2, 3]]), &nodes);
         assert_eq!(surface.nodes, [0, 1, 2, 3]);
         assert_eq!(surface.edges.len(), 6);
         assert!(surface.edges.iter().all(|e| e.is_sharp && e.triangles[0] != e.triangles[1]));
@@ -131,10 +111,12 @@ mod tests {
     }
 
     #[test]
-    fn the_diagonal_of_a_flat_face_is_not_sharp() {
-        let nodes = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
-        let surface = ContactSurface::new(vec![[0, 1, 2], [0, 2, 3]], &nodes);
-        let diagonal = surface.edges.iter().find(|e| e.nodes == [0, 2]).unwrap();
-        assert!(!diagonal.is_sharp);
+    fn a_line_inside_a_flat_face_is_not_sharp() {
+        // Two tetrahedra side by side on the plane z = 0; their common bottom edge is 1-2.
+        let nodes = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y, DVec3::new(0.5, 0.5, 1.0)];
+        let surface = ContactSurface::new(&Surface::of(&[[0, 1, 2, 4], [1, 3, 2, 4]]), &nodes);
+        let edge = |n: [u32; 2]| surface.edges.iter().find(|e| e.nodes == n).unwrap();
+        assert!(!edge([1, 2]).is_sharp);
+        assert!(edge([0, 1]).is_sharp);
     }
 }
