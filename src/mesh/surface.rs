@@ -69,9 +69,9 @@ fn sorted_faces(tets: &[[u32; 4]]) -> Vec<FaceKey> {
     let mut faces: Vec<FaceKey> = (0_u32..)
         .zip(tets)
         .flat_map(|(t, tet)| {
-            (0_u32..).zip(TET_FACES).map(move |(f, corners)| {
-                face_key(corners.map(|corner| tet[corner]), 4 * t + f)
-            })
+            (0_u32..)
+                .zip(TET_FACES)
+                .map(move |(f, corners)| face_key(corners.map(|corner| tet[corner]), 4 * t + f))
         })
         .collect();
     faces.par_sort_unstable();
@@ -246,7 +246,10 @@ impl NodeTets {
                 *slot += 1;
             }
         }
-        Self { offsets, tets: rows }
+        Self {
+            offsets,
+            tets: rows,
+        }
     }
 
     /// The tetrahedra at `node`, ascending.
@@ -295,11 +298,7 @@ impl Pieces {
         clippy::cast_possible_truncation,
         reason = "meshes hold fewer than 2^32 tetrahedra"
     )]
-    fn numbered(
-        sets: &mut DisjointSets,
-        tet_count: usize,
-        member_of: impl Fn(u32) -> u32,
-    ) -> Self {
+    fn numbered(sets: &mut DisjointSets, tet_count: usize, member_of: impl Fn(u32) -> u32) -> Self {
         let mut piece_of_root = vec![u32::MAX; sets.parent.len()];
         let mut count = 0;
         let of_tet = (0..tet_count as u32)
@@ -402,7 +401,11 @@ mod tests {
             .filter(|e| e.nodes == [0, 1])
             .map(|e| e.triangles.map(|t| surface.triangle_tet[t as usize]))
             .collect();
-        assert_eq!(axis, [[0, 1], [2, 3]], "pairs bound one wedge of solid each");
+        assert_eq!(
+            axis,
+            [[0, 1], [2, 3]],
+            "pairs bound one wedge of solid each"
+        );
     }
 
     #[test]
