@@ -8,7 +8,10 @@
 //!
 //! Impact energy: a plain constraint stops the contact nodes dead and loses their kinetic energy. Where two
 //! features close faster than the rest speed, the relative normal velocity is reversed instead, which
-//! keeps the energy of the impact (Cirak, West, IJNME 64, 2005). Below it nothing bounces.
+//! keeps the energy of the impact (Cirak, West, IJNME 64, 2005). What is reversed is the velocity at the start of
+//! the step, where positions and velocities belong to the same moment: reversing the half step's
+//! prediction, which holds half a kick of elastic force already, was seen to feed energy into the bodies.
+//! In sustained contact both come to the same as closing the gap. Below the rest speed nothing bounces.
 
 use super::constraint::Constraint;
 use glam::DVec3;
@@ -25,12 +28,23 @@ pub struct ContactNode {
     pub body: u32,
     /// Node of the body.
     pub node: u32,
-    /// Velocity, m/s; corrected by the response.
+    /// Velocity of the half step, m/s; corrected by the response.
     pub velocity_m_s: DVec3,
+    /// Velocity at the start of the step, m/s.
+    pub start_velocity_m_s: DVec3,
     /// Inverse mass along x, y, z, 1/kg; zero where the motion is prescribed.
     pub inverse_mass_per_kg: DVec3,
     /// Sum of the contact impulses, N s.
     pub impulse_n_s: DVec3,
+}
+
+impl ContactNode {
+    /// A node before the response.
+    #[must_use]
+    pub fn new((body, node): (u32, u32), velocities_m_s: [DVec3; 2], inverse_mass_per_kg: DVec3) -> Self {
+        let [start_velocity_m_s, velocity_m_s] = velocities_m_s;
+        Self { body, node, velocity_m_s, start_velocity_m_s, inverse_mass_per_kg, impulse_n_s: DVec3::ZERO }
+    }
 }
 
 /// Parameters of the response.
@@ -67,13 +81,13 @@ pub struct NodeTable {
     /// Nodes, sorted by body and node.
     pub nodes: Vec<ContactNode>,
     rows: Vec<[usize; 4]>,
-    start_velocities_m_s: Vec<DVec3>,
+    predicted_m_s: Vec<DVec3>,
 }
 
 impl NodeTable {
-    /// Collects the nodes of the constraints; `state` gives velocity and inverse mass of (body, node).
+    /// Collects the nodes of the constraints; `state` gives the node of a (body, node).
     #[must_use]
-    pub fn new(constraints: &[Constraint], state: impl Fn(u32, u32) -> (DVec3, DVec3)) -> Self {
+    pub fn new(constraints: &[Constraint], state: impl Fn((u32, u32)) -> ContactNode) -> Self {
         let id = |c: &Constraint, k: usize| (c.bodies[c.nodes[k].0 as usize], c.nodes[k].1);
         let mut ids: Vec<(u32, u32)> =
             constraints.iter().flat_map(|c| (0..4).map(move |k| id(c, k))).collect();
@@ -83,19 +97,26 @@ impl NodeTable {
             .iter()
             .map(|c| std::array::from_fn(|k| ids.binary_search(&id(c, k)).unwrap_or_default()))
             .collect();
-        let nodes: Vec<ContactNode> = ids
-            .iter()
-            .map(|&(body, node)| {
-                let (velocity_m_s, inverse_mass_per_kg) = state(body, node);
-                ContactNode { body, node, velocity_m_s, inverse_mass_per_kg, impulse_n_s: DVec3::ZERO }
-            })
-            .collect();
-        let start_velocities_m_s = nodes.iter().map(|n| n.velocity_m_s).collect();
-        Self { nodes, rows, start_velocities_m_s }
+        let nodes: Vec<ContactNode> = ids.into_iter().map(state).collect();
+        let predicted_m_s = nodes.iter().map(|n| n.velocity_m_s).collect();
+        Self { nodes, rows, predicted_m_s }
     }
 
-    fn relative_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
+    /// Relative velocity of the half step of a constraint, m/s.
+    #[must_use]
+    pub fn relative_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
         self.rows[row].iter().zip(weights).map(|(i, w)| self.nodes[*i].velocity_m_s * *w).sum()
+    }
+
+    /// Relative velocity at the start of the step of a constraint, m/s.
+    fn relative_start_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
+        self.rows[row].iter().zip(weights).map(|(i, w)| self.nodes[*i].start_velocity_m_s * *w).sum()
+    }
+
+    /// Velocities before the response, in the order of `nodes`, m/s.
+    #[must_use]
+    pub fn predicted_m_s(&self) -> &[DVec3] {
+        &self.predicted_m_s
     }
 
     fn apply(&mut self, row: usize, weights: &[f64; 4], impulse_n_s: DVec3) {
@@ -113,10 +134,13 @@ impl NodeTable {
     }
 
     /// Energy that the impulses took from the nodes and work that prescribed motion did, J.
+    ///
+    /// The impulse acts at the start of the step, on the velocity of that moment.
     fn balances(&self) -> (f64, f64) {
         let (mut dissipated_j, mut prescribed_j) = (0.0, 0.0);
-        for (node, start) in self.nodes.iter().zip(&self.start_velocities_m_s) {
-            let work = node.impulse_n_s * (*start + node.velocity_m_s) * 0.5;
+        for node in &self.nodes {
+            let change = node.inverse_mass_per_kg * node.impulse_n_s;
+            let work = node.impulse_n_s * (node.start_velocity_m_s + change * 0.5);
             dissipated_j -= work.element_sum();
             let is_prescribed = node.inverse_mass_per_kg.cmpeq(DVec3::ZERO);
             prescribed_j -= DVec3::select(is_prescribed, work, DVec3::ZERO).element_sum();
@@ -149,7 +173,7 @@ pub fn solve(
     p: &ResponseParameters,
 ) -> ResponseReport {
     let rows: Vec<PairRow> =
-        constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table, p)).collect();
+        constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
     let mut report = ResponseReport::default();
     while report.passes < MOST_PASSES {
         report.last_change = one_pass(&rows, constraints, table, report.passes % 2 == 1);
@@ -205,13 +229,8 @@ struct PairRow {
 }
 
 impl PairRow {
-    /// Sets the pair's target; `None` when neither side can move.
-    fn new(
-        index: usize,
-        constraint: &Constraint,
-        table: &NodeTable,
-        _p: &ResponseParameters,
-    ) -> Option<Self> {
+    /// `None` when neither side can move along the normal.
+    fn new(index: usize, constraint: &Constraint, table: &NodeTable) -> Option<Self> {
         let block = table.block(index, &constraint.weights);
         let n = constraint.normal;
         let normal_block_per_kg = n.dot(block * n);
@@ -253,20 +272,27 @@ impl PairRow {
     }
 }
 
-/// Sets the relative normal velocity each pair must at least have after the response.
+/// Sets the relative normal velocity of the half step that each pair must at least have after the
+/// response.
 ///
 /// A pair that would penetrate and closes faster than the rest speed leaves as fast as it came; one that
 /// closes slowly comes to touch exactly; between once and twice the rest speed the two are blended.
 pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &ResponseParameters) {
     for (row, c) in constraints.iter_mut().enumerate() {
-        let closing_m_s = -table.relative_velocity(row, &c.weights).dot(c.normal);
+        let predicted_m_s = table.relative_velocity(row, &c.weights).dot(c.normal);
+        let closing_m_s = -table.relative_start_velocity(row, &c.weights).dot(c.normal);
         let mut touch_m_s = -c.gap_m / p.step_s;
         if touch_m_s > 0.0 {
+            // A penetration left over is pushed out gently: at once would throw the nodes apart.
             touch_m_s = touch_m_s.min(p.rest_speed_m_s + 0.1 * closing_m_s.abs() + f64::MIN_POSITIVE);
         }
-        let is_impact = closing_m_s * p.step_s > c.gap_m && p.conserve_impact_energy;
-        let bounce = if is_impact { bounce_share(closing_m_s, p.rest_speed_m_s) } else { 0.0 };
-        c.target_m_s = bounce * closing_m_s + (1.0 - bounce) * touch_m_s;
+        c.target_m_s = touch_m_s;
+        let would_penetrate = predicted_m_s * p.step_s + c.gap_m < 0.0;
+        if would_penetrate && closing_m_s > 0.0 && p.conserve_impact_energy {
+            let bounce = bounce_share(closing_m_s, p.rest_speed_m_s);
+            let reversed_m_s = predicted_m_s + 2.0 * closing_m_s;
+            c.target_m_s = touch_m_s.max(bounce * reversed_m_s + (1.0 - bounce) * touch_m_s);
+        }
     }
 }
 
@@ -357,9 +383,9 @@ mod tests {
         patch_inverse_mass: f64,
         conserve: bool,
     ) -> (NodeTable, ResponseReport) {
-        let mut table = NodeTable::new(c, |body, _| match body {
-            0 => (velocity, DVec3::splat(0.5)),
-            _ => (DVec3::ZERO, DVec3::splat(patch_inverse_mass)),
+        let mut table = NodeTable::new(c, |id| match id.0 {
+            0 => ContactNode::new(id, [velocity; 2], DVec3::splat(0.5)),
+            _ => ContactNode::new(id, [DVec3::ZERO; 2], DVec3::splat(patch_inverse_mass)),
         });
         set_targets(c, &table, &parameters(conserve));
         let report = solve(c, &mut table, &parameters(conserve));

@@ -2,7 +2,7 @@
 
 use super::body::{Regime, prescribed_pose};
 use super::broad::islands;
-use super::collide::{ContactOutcome, ContactScene, penetration, respond, write_back};
+use super::collide::{ContactOutcome, ContactScene, penetration, respond};
 use super::elastic::StepContext;
 use super::rest::{RestView, fall_asleep, is_near_mover, try_free_travel};
 use super::touch::{Touch, first_touch, prescribed_positions};
@@ -283,17 +283,15 @@ impl World {
 
     fn collide(&mut self, group: &[usize], context: &StepContext, list: &CollisionList) -> ContactOutcome {
         let in_group = |b: &usize| group.binary_search(b).is_ok();
-        let scene = ContactScene {
-            bodies: &self.bodies,
+        let mut scene = ContactScene {
+            bodies: &mut self.bodies,
             pairs: self.broad.pairs.iter().filter(|p| p.bodies.iter().any(in_group)).collect(),
             parameters: &self.setup.contact,
             list,
             step_s: context.step_s,
             gravity_m_s2: self.setup.gravity_m_s2.length(),
         };
-        let (outcome, table) = respond(&scene);
-        write_back(&mut self.bodies, &table);
-        outcome
+        respond(&mut scene)
     }
 
     /// Adds an outcome to the balances, the log and the report.
