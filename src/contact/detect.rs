@@ -153,6 +153,7 @@ impl NodeSide<'_> {
             place_m: x,
             size_m,
             friction_coefficient: self.pair.friction_coefficient,
+            may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
         })
@@ -236,6 +237,7 @@ fn edge_constraint(
         place_m: p[0] * w[0] + p[1] * w[1],
         size_m,
         friction_coefficient: pair.friction_coefficient,
+        may_bounce: true,
         target_m_s: 0.0,
         impulse_n_s: DVec3::ZERO,
     })

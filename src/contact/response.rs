@@ -21,6 +21,9 @@ const MOST_PASSES: u32 = 400;
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
 const PENETRATION_LEFT: f64 = 1e-4;
 
+/// Compliance of redundant pairs over their block.
+const SOFTNESS: f64 = 0.25;
+
 /// A node that takes part in the response.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactNode {
@@ -119,6 +122,13 @@ impl NodeTable {
         &self.predicted_m_s
     }
 
+    /// Velocity of a node before the response, m/s; `None` for a node that is not in the table.
+    #[must_use]
+    pub fn predicted_of(&self, id: (u32, u32)) -> Option<DVec3> {
+        let at = self.nodes.binary_search_by(|n| (n.body, n.node).cmp(&id)).ok()?;
+        Some(self.predicted_m_s[at])
+    }
+
     fn apply(&mut self, row: usize, weights: &[f64; 4], impulse_n_s: DVec3) {
         for (i, w) in self.rows[row].into_iter().zip(weights) {
             let node = &mut self.nodes[i];
@@ -167,6 +177,10 @@ pub fn sort_by_place(constraints: &mut [Constraint]) {
 }
 
 /// Solves the constraints: sets their impulses and corrects the velocities in the table.
+///
+/// A pass goes forth and back over the pairs. Passes are conjugate to each other (Silcowitz, Niebe, Erleben,
+/// VRIPHYS 2009; Zywicz and Puso accelerate in the same way), and start from impulses that would be exact
+/// if all pairs needed the same.
 pub fn solve(
     constraints: &mut [Constraint],
     table: &mut NodeTable,
@@ -175,8 +189,10 @@ pub fn solve(
     let rows: Vec<PairRow> =
         constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
     let mut report = ResponseReport::default();
+    let mut memory = Conjugate::default();
+    start_evenly(&rows, constraints, table);
     while report.passes < MOST_PASSES {
-        report.last_change = one_pass(&rows, constraints, table, report.passes % 2 == 1);
+        report.last_change = one_pass(&rows, constraints, table, &mut memory);
         report.passes += 1;
         let is_settled = report.last_change < p.tolerance;
         let is_time = is_settled || report.passes >= p.passes;
@@ -191,25 +207,84 @@ pub fn solve(
     report
 }
 
+/// Applies first guesses of the normal impulses: each pair's shortfall over the sum of its row, as if its
+/// neighbours fell short as much.
+fn start_evenly(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
+    let shortfall = |row: &PairRow, constraints: &[Constraint], table: &NodeTable| {
+        let c = &constraints[row.index];
+        c.target_m_s - table.relative_velocity(row.index, &c.weights).dot(c.normal)
+    };
+    let short: Vec<f64> = rows.iter().map(|r| shortfall(r, constraints, table).max(0.0)).collect();
+    let saved: Vec<ContactNode> = table.nodes.clone();
+    for (row, _) in rows.iter().zip(&short).filter(|(_, s)| **s > 0.0) {
+        let c = &constraints[row.index];
+        table.apply(row.index, &c.weights, c.normal);
+    }
+    let row_sums: Vec<f64> =
+        rows.iter().zip(&short).map(|(row, short)| short - shortfall(row, constraints, table)).collect();
+    table.nodes = saved;
+    for ((row, short), sum) in rows.iter().zip(&short).zip(row_sums) {
+        let c = &mut constraints[row.index];
+        // Rows whose neighbours work against them are left to the passes.
+        c.impulse_n_s = c.normal * (short / sum.max(row.normal_block_per_kg));
+        table.apply(row.index, &c.weights, c.impulse_n_s);
+    }
+}
+
+/// What one pass leaves for the next.
+#[derive(Default)]
+struct Conjugate {
+    direction: Vec<DVec3>,
+    last_norm2: f64,
+}
+
 /// One pass over the pairs; returns the largest change over the largest multiplier.
 fn one_pass(
     rows: &[PairRow],
     constraints: &mut [Constraint],
     table: &mut NodeTable,
-    is_backward: bool,
+    memory: &mut Conjugate,
 ) -> f64 {
-    let (mut change, mut largest) = (0.0_f64, 0.0_f64);
-    let mut visit = |row: &PairRow| {
-        let constraint = &mut constraints[row.index];
-        change = change.max(row.relax(constraint, table));
-        largest = largest.max(constraint.impulse_n_s.length_squared());
-    };
-    if is_backward {
-        rows.iter().rev().for_each(&mut visit);
-    } else {
-        rows.iter().for_each(&mut visit);
+    let before: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
+    for row in rows.iter().chain(rows.iter().rev()) {
+        row.relax(&mut constraints[row.index], table);
     }
-    if largest > 0.0 { change / largest.sqrt() } else { 0.0 }
+    let change: Vec<DVec3> =
+        rows.iter().zip(&before).map(|(r, old)| constraints[r.index].impulse_n_s - *old).collect();
+    memory.accelerate(rows, constraints, table, &change);
+    let largest = |it: &mut dyn Iterator<Item = DVec3>| it.map(|x| x.length()).fold(0.0, f64::max);
+    let largest_change = largest(&mut change.iter().copied());
+    let largest_impulse = largest(&mut rows.iter().map(|r| constraints[r.index].impulse_n_s));
+    if largest_impulse > 0.0 { largest_change / largest_impulse } else { 0.0 }
+}
+
+impl Conjugate {
+    /// Goes on along the last direction as far as a conjugate gradient method would; a pair whose impulse would
+    /// pull or leave the friction cone stays, and the next pass sets right what is left.
+    fn accelerate(
+        &mut self,
+        rows: &[PairRow],
+        constraints: &mut [Constraint],
+        table: &mut NodeTable,
+        change: &[DVec3],
+    ) {
+        let norm2: f64 = change.iter().map(|d| d.length_squared()).sum();
+        let beta = if self.last_norm2 > 0.0 { norm2 / self.last_norm2 } else { 0.0 };
+        self.last_norm2 = norm2;
+        if self.direction.is_empty() || beta >= 1.0 {
+            self.direction = change.to_vec();
+            return;
+        }
+        for ((row, direction), change) in rows.iter().zip(&mut self.direction).zip(change) {
+            let c = &mut constraints[row.index];
+            let further = *direction * beta;
+            if further != DVec3::ZERO && c.allows(c.impulse_n_s + further) {
+                c.impulse_n_s += further;
+                table.apply(row.index, &c.weights, further);
+            }
+            *direction = further + *change;
+        }
+    }
 }
 
 fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, step_s: f64) -> bool {
@@ -226,6 +301,9 @@ struct PairRow {
     index: usize,
     normal_block_per_kg: f64,
     tangent_block_per_kg: f64,
+    /// Compliance of pairs that say nearly the same as others: with it the passes share the load between
+    /// them at once instead of passing it to and fro, 1/kg.
+    softness_per_kg: f64,
 }
 
 impl PairRow {
@@ -238,16 +316,18 @@ impl PairRow {
             index,
             normal_block_per_kg,
             tangent_block_per_kg: block.max_element(),
+            softness_per_kg: if constraint.may_bounce { 0.0 } else { SOFTNESS * normal_block_per_kg },
         })
     }
 
-    /// Solves the pair with all others held; returns the length of the change of its impulse, N s.
-    fn relax(&self, c: &mut Constraint, table: &mut NodeTable) -> f64 {
+    /// Solves the pair with all others held.
+    fn relax(&self, c: &mut Constraint, table: &mut NodeTable) {
         let velocity = table.relative_velocity(self.index, &c.weights);
         let old = c.impulse_n_s;
         let old_normal = old.dot(c.normal);
-        let shortfall = c.target_m_s - velocity.dot(c.normal);
-        let normal_part = (old_normal + shortfall / self.normal_block_per_kg).max(0.0);
+        let shortfall = c.target_m_s - velocity.dot(c.normal) - self.softness_per_kg * old_normal;
+        let block_per_kg = self.normal_block_per_kg + self.softness_per_kg;
+        let normal_part = (old_normal + shortfall / block_per_kg).max(0.0);
         let mut tangential = DVec3::ZERO;
         if c.friction_coefficient > 0.0 && normal_part > 0.0 {
             let slip = velocity - c.normal * velocity.dot(c.normal);
@@ -259,7 +339,6 @@ impl PairRow {
         if change != DVec3::ZERO {
             table.apply(self.index, &c.weights, change);
         }
-        change.length()
     }
 
     /// Moves the foot of the force so that the pair has no moment (see `constraint.rs`).
@@ -288,7 +367,7 @@ pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &Respon
         }
         c.target_m_s = touch_m_s;
         let would_penetrate = predicted_m_s * p.step_s + c.gap_m < 0.0;
-        if would_penetrate && closing_m_s > 0.0 && p.conserve_impact_energy {
+        if would_penetrate && closing_m_s > 0.0 && p.conserve_impact_energy && c.may_bounce {
             let bounce = bounce_share(closing_m_s, p.rest_speed_m_s);
             let reversed_m_s = predicted_m_s + 2.0 * closing_m_s;
             c.target_m_s = touch_m_s.max(bounce * reversed_m_s + (1.0 - bounce) * touch_m_s);
@@ -372,6 +451,7 @@ mod tests {
             place_m: node,
             size_m: 1.0,
             friction_coefficient: friction,
+            may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
         }]

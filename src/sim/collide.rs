@@ -5,8 +5,8 @@ use super::broad::NearPair;
 use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
 use crate::contact::response::{
-    ContactNode, NodeTable, ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets, solve,
-    sort_by_place,
+    ContactNode, NodeTable, ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets,
+    solve, sort_by_place,
 };
 use crate::contact::{BodyView, CollisionList, Constraint, PairView, detect};
 use glam::DVec3;
@@ -39,17 +39,11 @@ pub(super) struct ContactScene<'a> {
 impl ContactScene<'_> {
     fn view(&self, body: usize) -> BodyView<'_> {
         let body = &self.bodies[body];
-        BodyView {
-            surface: &body.surface,
-            positions_m: &body.position_m,
-            velocities_m_s: &body.velocity_m_s,
-        }
+        BodyView { surface: &body.surface, positions_m: &body.position_m, velocities_m_s: &body.velocity_m_s }
     }
 
     fn friction(&self, bodies: [usize; 2]) -> f64 {
-        let same = |p: &super::PairFriction| {
-            p.bodies == bodies || p.bodies == [bodies[1], bodies[0]]
-        };
+        let same = |p: &super::PairFriction| p.bodies == bodies || p.bodies == [bodies[1], bodies[0]];
         let exception = self.parameters.pair_friction.iter().find(|p| same(p));
         exception.map_or(self.parameters.friction_coefficient, |p| p.friction_coefficient)
     }
@@ -69,9 +63,18 @@ impl ContactScene<'_> {
     }
 
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
+        self.table_with(constraints, |_, v| v)
+    }
+
+    /// The table with half-step velocities that `half_of` may replace.
+    fn table_with(
+        &self,
+        constraints: &[Constraint],
+        half_of: impl Fn((u32, u32), DVec3) -> DVec3,
+    ) -> NodeTable {
         NodeTable::new(constraints, |id| {
             let (body, node) = (&self.bodies[id.0 as usize], id.1 as usize);
-            let half = body.velocity_m_s[node];
+            let half = half_of(id, body.velocity_m_s[node]);
             let inverse_mass = body.inverse_mass_per_kg[node];
             let kick = body.acceleration_m_s2[node] * (0.5 * self.step_s);
             let start = half - DVec3::select(inverse_mass.cmpgt(DVec3::ZERO), kick, DVec3::ZERO);
@@ -167,7 +170,7 @@ fn solve_all(
         if round >= MOST_ROUNDS {
             return (report, active);
         }
-        let added = still_closing(scene, &active);
+        let added = still_closing(scene, &active, &table);
         if added.is_empty() {
             return (report, active);
         }
@@ -177,20 +180,27 @@ fn solve_all(
     }
 }
 
-/// Pairs that are not enforced and would penetrate with the velocities as they are now.
-fn still_closing(scene: &ContactScene, active: &[Constraint]) -> Vec<Constraint> {
+/// Pairs that are not enforced and would penetrate with the velocities as they are now. Where the enforced pairs
+/// have taken away most of the approach already, what is left is only to be stopped, not to be bounced.
+fn still_closing(scene: &ContactScene, active: &[Constraint], corrected: &NodeTable) -> Vec<Constraint> {
     let mut known: Vec<([u32; 2], Feature)> = active.iter().map(|c| (c.bodies, c.feature)).collect();
     known.sort_unstable();
     let mut found = scene.find();
     found.retain(|c| known.binary_search(&(c.bodies, c.feature)).is_err());
     let table = scene.table(&found);
-    let mut row = 0;
-    found.retain(|c| {
-        let closing_m = scene.step_s * table.relative_velocity(row, &c.weights).dot(c.normal);
-        row += 1;
-        c.gap_m + closing_m < -LEFT_OUT_DEPTH * c.size_m
-    });
-    found
+    let predicted = scene.table_with(&found, |id, v| corrected.predicted_of(id).unwrap_or(v));
+    let closing = |table: &NodeTable, row: usize, c: &Constraint| {
+        -scene.step_s * table.relative_velocity(row, &c.weights).dot(c.normal)
+    };
+    let mut closing_pairs = Vec::new();
+    for (row, mut c) in found.into_iter().enumerate() {
+        let (now_m, before_m) = (closing(&table, row, &c), closing(&predicted, row, &c));
+        if c.gap_m - now_m < -LEFT_OUT_DEPTH * c.size_m {
+            c.may_bounce = now_m > 0.5 * before_m;
+            closing_pairs.push(c);
+        }
+    }
+    closing_pairs
 }
 
 fn take_back(bodies: &mut [Body], table: &NodeTable) {
@@ -220,9 +230,7 @@ pub(super) fn penetration(bodies: &[Body], constraints: &[Constraint]) -> (f64, 
         };
         let geometry = match c.feature {
             Feature::NodeOnPatch { .. } => Geometry::node_on_patch(at(0), [at(1), at(2), at(3)]),
-            Feature::EdgeOnEdge { .. } => {
-                Geometry::edge_on_edge([at(0), at(1)], [at(2), at(3)], c.normal)
-            }
+            Feature::EdgeOnEdge { .. } => Geometry::edge_on_edge([at(0), at(1)], [at(2), at(3)], c.normal),
         };
         let Some(g) = geometry.filter(|g| g.is_inside(0.0)) else { continue };
         deepest = (deepest.0.max(-g.gap_m), deepest.1.max(-g.gap_m / c.size_m));

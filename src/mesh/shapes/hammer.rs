@@ -21,12 +21,7 @@ pub struct Hammer {
 
 impl Default for Hammer {
     fn default() -> Self {
-        Self {
-            head_length_m: 0.13,
-            head_width_m: 0.045,
-            handle_length_m: 0.32,
-            handle_width_m: 0.022,
-        }
+        Self { head_length_m: 0.13, head_width_m: 0.045, handle_length_m: 0.32, handle_width_m: 0.022 }
     }
 }
 
@@ -58,12 +53,7 @@ impl Hammer {
         let element_m = check.element_size_m(meshing.resolution, self.handle_width_m)?;
         let plan = self.plan(element_m);
         let cells = [plan.x.cells(), plan.y.cells(), plan.z.cells()];
-        let hexes = lattice(
-            check.0,
-            cells,
-            |cell| plan.region_of(cell),
-            |at| plan.position_m(at),
-        )?;
+        let hexes = lattice(check.0, cells, |cell| plan.region_of(cell), |at| plan.position_m(at))?;
         let mut mesh = hexes.split(meshing.split, &["head", "handle"]);
         centre_on_mass(&mut mesh);
         Ok(mesh)
@@ -88,35 +78,21 @@ impl Hammer {
             0.5 * self.head_length_m,
             "half of `head_length_m`",
         )?;
-        check.below(
-            "head_width_m",
-            self.head_width_m,
-            self.handle_length_m,
-            "`handle_length_m`",
-        )
+        check.below("head_width_m", self.head_width_m, self.handle_length_m, "`handle_length_m`")
     }
 
     fn plan(&self, element_m: f64) -> Plan {
         let round = element_m < 0.75 * self.handle_width_m;
         let cells = |length_m: f64| {
-            if round {
-                even_cells_along(length_m, element_m)
-            } else {
-                1
-            }
+            if round { even_cells_along(length_m, element_m) } else { 1 }
         };
         let (radius_m, half_m) = (self.head_width_m / 2.0, self.handle_width_m / 2.0);
         // On the head's surface a share s of the half width lies at the angle s pi/4.
-        let half_share = if round {
-            (half_m / radius_m).asin() / std::f64::consts::FRAC_PI_4
-        } else {
-            half_m / radius_m
-        };
+        let half_share =
+            if round { (half_m / radius_m).asin() / std::f64::consts::FRAC_PI_4 } else { half_m / radius_m };
         let half_share = half_share.min(0.9);
-        let (handle, side) = (
-            cells(self.handle_width_m),
-            cells_along((1.0 - half_share) * radius_m, element_m),
-        );
+        let (handle, side) =
+            (cells(self.handle_width_m), cells_along((1.0 - half_share) * radius_m, element_m));
         let (eye_m, length_m) = (Self::EYE * self.head_length_m, self.head_length_m);
         Plan {
             hammer: *self,
@@ -155,21 +131,13 @@ impl Plan {
     }
 
     fn position_m(&self, [i, j, k]: [u32; 3]) -> DVec3 {
-        if i < self.x.break_at(1) {
-            self.handle_position_m(i, j, k)
-        } else {
-            self.head_position_m(i, j, k)
-        }
+        if i < self.x.break_at(1) { self.handle_position_m(i, j, k) } else { self.head_position_m(i, j, k) }
     }
 
     fn head_position_m(&self, i: u32, j: u32, k: u32) -> DVec3 {
         let radius_m = self.hammer.head_width_m / 2.0;
         let (u, v) = (self.x.at(i) / radius_m, self.y.at(j));
-        let [x, y] = if self.round {
-            disc_from_square(u, v)
-        } else {
-            [u, v]
-        };
+        let [x, y] = if self.round { disc_from_square(u, v) } else { [u, v] };
         let z_m = self.z.at(k);
         let (thin, bevel) = (self.peen_scale(z_m), self.bevel_scale(z_m));
         DVec3::new(x * radius_m * thin * bevel, y * radius_m * bevel, z_m)
@@ -194,17 +162,9 @@ impl Plan {
         let middle_m = Hammer::EYE * self.hammer.head_length_m;
         let v = self.y.at(j) / self.y.at(self.y.break_at(2));
         let w = (self.z.at(k) - middle_m) / half_m;
-        let [y, z] = if self.round {
-            disc_from_square(v, w)
-        } else {
-            [v, w]
-        };
+        let [y, z] = if self.round { disc_from_square(v, w) } else { [v, w] };
         let grip = self.grip_scale(self.x.at(i));
-        DVec3::new(
-            self.x.at(i),
-            y * half_m * grip,
-            middle_m + z * half_m * grip,
-        )
+        DVec3::new(self.x.at(i), y * half_m * grip, middle_m + z * half_m * grip)
     }
 
     /// The handle is slimmer behind the head and swells towards the tail.

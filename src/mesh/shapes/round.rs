@@ -71,11 +71,7 @@ pub struct Cup {
 
 impl Default for Cup {
     fn default() -> Self {
-        Self {
-            radius_m: 0.042,
-            height_m: 0.095,
-            wall_m: 0.005,
-        }
+        Self { radius_m: 0.042, height_m: 0.095, wall_m: 0.005 }
     }
 }
 
@@ -119,18 +115,8 @@ impl Cup {
             ("height_m", self.height_m),
             ("wall_m", self.wall_m),
         ])?;
-        check.below(
-            "wall_m",
-            self.wall_m,
-            0.5 * self.radius_m,
-            "half of `radius_m`",
-        )?;
-        check.below(
-            "wall_m",
-            self.wall_m,
-            0.25 * self.height_m,
-            "a quarter of `height_m`",
-        )
+        check.below("wall_m", self.wall_m, 0.5 * self.radius_m, "half of `radius_m`")?;
+        check.below("wall_m", self.wall_m, 0.25 * self.height_m, "a quarter of `height_m`")
     }
 
     fn plan(&self, element_m: f64) -> CupPlan {
@@ -161,8 +147,7 @@ const MOST_AROUND: u32 = 3000;
 impl CupPlan {
     fn check_size(&self, check: Check) -> Result<(), ShapeError> {
         let bottom = self.disc.cells_where(|_| true) * f64::from(self.z.break_at(1));
-        let wall =
-            self.disc.cells_where(|ring| ring > 0) * f64::from(self.z.cells() - self.z.break_at(1));
+        let wall = self.disc.cells_where(|ring| ring > 0) * f64::from(self.z.cells() - self.z.break_at(1));
         check_count(check.0, bottom + wall)
     }
 
@@ -205,8 +190,7 @@ impl CupPlan {
     }
 
     fn level_m(&self) -> f64 {
-        (self.cup.height_m - self.z.at(self.z.break_at(1)))
-            / f64::from(self.z.cells() - self.z.break_at(1))
+        (self.cup.height_m - self.z.at(self.z.break_at(1))) / f64::from(self.z.cells() - self.z.break_at(1))
     }
 
     /// Lowest level of the handle's end nearest to `share` of the cup's height.
@@ -216,9 +200,8 @@ impl CupPlan {
         let middle_m = share * self.cup.height_m;
         (lowest..=highest)
             .min_by(|&a, &b| {
-                let off = |level: u32| {
-                    (f64::midpoint(self.z.at(level), self.z.at(level + thick)) - middle_m).abs()
-                };
+                let off =
+                    |level: u32| (f64::midpoint(self.z.at(level), self.z.at(level + thick)) - middle_m).abs();
                 off(a).total_cmp(&off(b))
             })
             .unwrap_or(lowest)
@@ -262,12 +245,7 @@ impl CupPlan {
 }
 
 /// Fills the space between two grids of nodes, `[y][z]`, with hexahedra.
-fn add_bridge(
-    mesh: &mut super::hex_mesh::HexMesh,
-    from: &[Vec<u32>],
-    to: &[Vec<u32>],
-    region: u32,
-) {
+fn add_bridge(mesh: &mut super::hex_mesh::HexMesh, from: &[Vec<u32>], to: &[Vec<u32>], region: u32) {
     for p in 0..from.len() - 1 {
         for q in 0..from[p].len() - 1 {
             let corners = std::array::from_fn(|c| {
@@ -300,11 +278,7 @@ impl Bow {
             nodes.iter().sum::<DVec3>() / nodes.len() as f64
         });
         let corner = |grid: &[Vec<u32>], last: bool| {
-            let column = if last {
-                &grid[grid.len() - 1]
-            } else {
-                &grid[0]
-            };
+            let column = if last { &grid[grid.len() - 1] } else { &grid[0] };
             mesh.position_m(column[if last { column.len() - 1 } else { 0 }])
         };
         let diagonal_m = corner(upper, true) - corner(upper, false);
@@ -331,12 +305,8 @@ impl Bow {
         like: &[Vec<u32>],
     ) -> Vec<Vec<u32>> {
         let (sin, cos) = angle.sin_cos();
-        let middle_m = self.centre_m
-            + DVec3::new(
-                self.reach_m * cos + self.lean_m * sin,
-                0.0,
-                self.rise_m * sin,
-            );
+        let middle_m =
+            self.centre_m + DVec3::new(self.reach_m * cos + self.lean_m * sin, 0.0, self.rise_m * sin);
         let outward = DVec3::new(cos / self.reach_m, 0.0, sin / self.rise_m).normalize();
         let (across, through) = (like.len() as u32 - 1, like[0].len() as u32 - 1);
         (0..=across)
@@ -421,8 +391,7 @@ impl Lamp {
     pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
         let check = Check("lamp");
         self.check(check)?;
-        let element_m =
-            check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
+        let element_m = check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
         let plan = self.plan(element_m);
         plan.check_size(check)?;
         let sweep = Sweep::new(
@@ -474,13 +443,8 @@ impl Lamp {
         let gap_rings = cells_along(self.foot_radius_m - self.stem_radius_m - wall_m, element_m);
         let wall_rings = cells_along(wall_m, element_m);
         let foot_m = Self::FOOT_RATIO * self.foot_radius_m;
-        let breaks_m = [
-            0.0,
-            foot_m,
-            self.height_m - self.shade_height_m,
-            self.height_m - wall_m,
-            self.height_m,
-        ];
+        let breaks_m =
+            [0.0, foot_m, self.height_m - self.shade_height_m, self.height_m - wall_m, self.height_m];
         let stem_cell_m = TAU * self.stem_radius_m / f64::from(4 * core);
         let stem_element_m = element_m.min(Self::STEM_STRETCH * stem_cell_m);
         LampPlan {
@@ -521,11 +485,7 @@ impl LampPlan {
     fn position_m(&self, node: &DiscNode, level: u32) -> DVec3 {
         let z_m = self.z.at(level);
         let radius_m = self.circle_radius_m(node.ring, z_m);
-        let height_m = if level <= self.z.break_at(1) {
-            z_m * self.foot_slope(radius_m)
-        } else {
-            z_m
-        };
+        let height_m = if level <= self.z.break_at(1) { z_m * self.foot_slope(radius_m) } else { z_m };
         (node.unit * radius_m).extend(height_m)
     }
 
