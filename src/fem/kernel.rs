@@ -13,6 +13,8 @@
 //! `lambda` and `mu` are stored times `V_0`, so neither volume nor stress appears by itself.
 
 use super::lanes::{BATCH, Lanes, Lanes3, Row, dot, subtract};
+use crate::fem::ElasticConstants;
+use glam::DVec3;
 use pulp::Simd;
 
 /// What never changes of `BATCH` elements.
@@ -25,6 +27,39 @@ pub(super) struct BatchShape {
     pub lambda_volume_j: Row,
     /// `V_0 mu`, J.
     pub mu_volume_j: Row,
+}
+
+impl BatchShape {
+    pub(super) const ZERO: Self = Self {
+        gradients_per_m: [Row::ZERO; 9],
+        lambda_volume_j: Row::ZERO,
+        mu_volume_j: Row::ZERO,
+    };
+
+    /// Fills one lane from `g_1, g_2, g_3`, the volume and the material.
+    pub(super) fn set(
+        &mut self,
+        lane: usize,
+        gradients_per_m: &[DVec3; 3],
+        volume_m3: f64,
+        constants: &ElasticConstants,
+    ) {
+        for (a, gradient) in gradients_per_m.iter().enumerate() {
+            for axis in 0..3 {
+                self.gradients_per_m[3 * a + axis].0[lane] = gradient[axis];
+            }
+        }
+        self.lambda_volume_j.0[lane] = volume_m3 * constants.lambda_pa;
+        self.mu_volume_j.0[lane] = volume_m3 * constants.mu_pa;
+    }
+
+    /// `g_1, g_2, g_3` of one lane, 1/m.
+    pub(super) fn gradients_per_m(&self, lane: usize) -> [DVec3; 3] {
+        [0, 3, 6].map(|row| {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.gradients_per_m[row + axis].0[lane]);
+            DVec3::new(x, y, z)
+        })
+    }
 }
 
 /// Corner positions on the way in (m), corner forces on the way out (N):

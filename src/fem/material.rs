@@ -109,9 +109,15 @@ mod tests {
         let e = |e, nu, rho| ElasticConstants::new(e, nu, rho).unwrap_err();
         assert_eq!(e(1e9, 0.5, 1.0), MaterialError::PoissonRatio(0.5));
         assert_eq!(e(1e9, -1.0, 1.0), MaterialError::PoissonRatio(-1.0));
-        assert!(matches!(e(1e9, f64::NAN, 1.0), MaterialError::PoissonRatio(_)));
+        assert!(matches!(
+            e(1e9, f64::NAN, 1.0),
+            MaterialError::PoissonRatio(_)
+        ));
         assert_eq!(e(0.0, 0.3, 1.0), MaterialError::YoungsModulus(0.0));
-        assert_eq!(e(f64::INFINITY, 0.3, 1.0), MaterialError::YoungsModulus(f64::INFINITY));
+        assert_eq!(
+            e(f64::INFINITY, 0.3, 1.0),
+            MaterialError::YoungsModulus(f64::INFINITY)
+        );
         assert_eq!(e(1e9, 0.3, -7844.0), MaterialError::Density(-7844.0));
     }
 }

@@ -3,9 +3,10 @@
 //! [`ElementBatches`] holds what never changes of a body's tetrahedra, ordered for speed;
 //! [`ElementBatches::forces`] is the inner loop of the whole program. The files, from the bottom up:
 //! `lanes` (numbers of several elements at once), `kernel` (the equations), `partition` (which elements
-//! go together), `elements` (the loop over all of them), beside it `stress`, `stable_step` and `mass`.
+//! go together), `elements` (their data), `forces` (the loop), beside it `stress`, `stable_step`, `mass`.
 
 mod elements;
+mod forces;
 mod kernel;
 mod lanes;
 mod mass;
@@ -15,9 +16,12 @@ mod stable_step;
 mod stress;
 #[cfg(test)]
 mod test_support;
+#[cfg(test)]
+mod tests;
 
-pub use elements::{ElasticState, ElementBatches, ElementKinematics, FemError, ForceScratch};
+pub use elements::{ElementBatches, FemError};
+pub use forces::{ElasticState, ElementKinematics, ForceScratch};
 pub use mass::{MassScaling, scale_masses};
 pub use material::{ElasticConstants, MaterialError};
-pub use stable_step::{damped_step_s, green_step_factor};
+pub use stable_step::damped_step_s;
 pub use stress::NotFinitePlace;

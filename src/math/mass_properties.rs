@@ -28,7 +28,11 @@ impl MassProperties {
         let origin_m = positions_m.first().copied().unwrap_or_default();
         let points = || masses_kg.iter().zip(positions_m);
         let moment: DVec3 = points().map(|(&mass, &x)| mass * (x - origin_m)).sum();
-        let offset_m = if mass_kg > 0.0 { moment / mass_kg } else { -origin_m };
+        let offset_m = if mass_kg > 0.0 {
+            moment / mass_kg
+        } else {
+            -origin_m
+        };
         let centre_m = origin_m + offset_m;
         let inertia_kg_m2 = points().fold(DMat3::ZERO, |sum, (&mass, &x)| {
             sum + inertia_of_point_kg_m2(mass, x - centre_m)
@@ -76,7 +80,10 @@ mod tests {
         let body = MassProperties::of_points(&[2.0, 1.0], &positions);
         assert_eq!(body.mass_kg, 3.0);
         assert_eq!(body.centre_m, far);
-        assert_eq!(body.inertia_kg_m2, DMat3::from_diagonal(DVec3::new(0.0, 6.0, 6.0)));
+        assert_eq!(
+            body.inertia_kg_m2,
+            DMat3::from_diagonal(DVec3::new(0.0, 6.0, 6.0))
+        );
         // No inertia about its own line: momentum there is answered with no spin, not with infinity.
         let spin = solve_inertia(&body.inertia_kg_m2, DVec3::new(5.0, 6.0, -12.0));
         assert!((spin - DVec3::new(0.0, 1.0, -2.0)).length() < 1e-15);
@@ -85,7 +92,13 @@ mod tests {
     #[test]
     fn inertia_gives_the_angular_momentum_of_rigid_spin() {
         let positions: Vec<DVec3> = (0..9)
-            .map(|i| DVec3::new(f64::from(i).sin(), f64::from(i * i).cos(), 0.1 * f64::from(i)))
+            .map(|i| {
+                DVec3::new(
+                    f64::from(i).sin(),
+                    f64::from(i * i).cos(),
+                    0.1 * f64::from(i),
+                )
+            })
             .collect();
         let masses: Vec<f64> = (1..10).map(f64::from).collect();
         let body = MassProperties::of_points(&masses, &positions);
@@ -102,7 +115,10 @@ mod tests {
     #[test]
     fn nothing_has_no_mass_properties() {
         let nothing = MassProperties::of_points(&[], &[]);
-        assert_eq!((nothing.mass_kg, nothing.centre_m, nothing.inertia_kg_m2), (0.0, DVec3::ZERO, DMat3::ZERO));
+        assert_eq!(
+            (nothing.mass_kg, nothing.centre_m, nothing.inertia_kg_m2),
+            (0.0, DVec3::ZERO, DMat3::ZERO)
+        );
         assert_eq!(solve_inertia(&nothing.inertia_kg_m2, DVec3::X), DVec3::ZERO);
     }
 }

@@ -45,7 +45,10 @@ pub fn skew(v: DVec3) -> DMat3 {
 #[must_use]
 pub fn best_fit_rotation(matrix: &DMat3, warm_start: DQuat) -> DQuat {
     let seen = DMat3::from_quat(warm_start).transpose() * *matrix;
-    let scale = seen.to_cols_array().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let scale = seen
+        .to_cols_array()
+        .iter()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
     if !seen.is_finite() || scale == 0.0 {
         return warm_start;
     }
@@ -60,7 +63,10 @@ pub fn best_fit_rotation(matrix: &DMat3, warm_start: DQuat) -> DQuat {
         nearest
     } else {
         // Exactly half a turn away: every sign is equally near.
-        (0..4).rev().find(|&i| values[i] == top).map_or(DVec4::W, |i| vectors[i])
+        (0..4)
+            .rev()
+            .find(|&i| values[i] == top)
+            .map_or(DVec4::W, |i| vectors[i])
     };
     (warm_start * DQuat::from_vec4(best.normalize())).normalize()
 }
@@ -181,7 +187,10 @@ mod tests {
     fn degenerate_fits_stay_near_the_warm_start() {
         let start = rotation_from_vector(DVec3::new(0.4, -0.2, 1.0));
         assert_eq!(best_fit_rotation(&DMat3::ZERO, start), start);
-        assert_eq!(best_fit_rotation(&DMat3::from_diagonal(DVec3::NAN), start), start);
+        assert_eq!(
+            best_fit_rotation(&DMat3::from_diagonal(DVec3::NAN), start),
+            start
+        );
         // All nodes on the body's x axis, now along y: turn x to y, and no more than that.
         let line = DMat3::from_cols(DVec3::Y, DVec3::ZERO, DVec3::ZERO);
         let turned = best_fit_rotation(&line, start);
@@ -189,7 +198,10 @@ mod tests {
         let needed_rad = (start * DVec3::X).angle_between(DVec3::Y);
         assert!((angle_between_rad(turned, start) - needed_rad).abs() < 1e-12);
         // A line turned over by half a turn: any answer that fits is right.
-        let over = best_fit_rotation(&DMat3::from_cols(-DVec3::X, DVec3::ZERO, DVec3::ZERO), DQuat::IDENTITY);
+        let over = best_fit_rotation(
+            &DMat3::from_cols(-DVec3::X, DVec3::ZERO, DVec3::ZERO),
+            DQuat::IDENTITY,
+        );
         assert!((over * DVec3::X + DVec3::X).length() < 1e-14);
         // A flat set of nodes (rank two) still has one best rotation.
         let flat = DMat3::from_quat(start) * DMat3::from_diagonal(DVec3::new(2.0, 1.0, 0.0));

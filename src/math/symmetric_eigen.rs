@@ -132,7 +132,10 @@ mod tests {
         let eigen = symmetric_eigen(matrix);
         let scale = largest_entry(matrix).max(f64::MIN_POSITIVE);
         assert!(eigen.values.x >= eigen.values.y && eigen.values.y >= eigen.values.z);
-        assert!(largest_entry(&(eigen.matrix() - *matrix)) <= 4e-15 * scale, "{matrix:?}");
+        assert!(
+            largest_entry(&(eigen.matrix() - *matrix)) <= 4e-15 * scale,
+            "{matrix:?}"
+        );
         let gram = eigen.directions.transpose() * eigen.directions;
         assert!(largest_entry(&(gram - DMat3::IDENTITY)) < 1e-15);
         assert!((eigen.directions.determinant() - 1.0).abs() < 1e-15);
@@ -177,7 +180,10 @@ mod tests {
         // det = 1e-20 - 1e-24: the small value is 1e-20 (1 - 1e-4) / 1, far below epsilon times the large one.
         let matrix = DMat3::from_cols_array(&[1.0, 1e-12, 0.0, 1e-12, 1e-20, 0.0, 0.0, 0.0, 1.0]);
         let smallest = symmetric_eigenvalues(&matrix).z;
-        assert!((smallest / (1e-20 - 1e-24) - 1.0).abs() < 1e-12, "{smallest}");
+        assert!(
+            (smallest / (1e-20 - 1e-24) - 1.0).abs() < 1e-12,
+            "{smallest}"
+        );
     }
 
     #[test]
