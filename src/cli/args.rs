@@ -8,18 +8,46 @@ use clap::Args;
 pub struct CommonArgs {
     /// Override a value of the scene by its path, e.g. materials.steel.density=7800; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
-    #[arg(global = true, help_heading = "Everywhere")]
+    #[arg(help_heading = "Everywhere")]
     pub overrides: Vec<String>,
     /// Threads to use, all by default; results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    #[arg(global = true, help_heading = "Everywhere")]
+    #[arg(help_heading = "Everywhere")]
     pub threads: Option<u16>,
     /// Say nothing but errors and the results asked for
-    #[arg(long, short, global = true, help_heading = "Everywhere")]
+    #[arg(long, short, help_heading = "Everywhere")]
     pub quiet: bool,
 }
 
+/// The arguments of a subcommand and the common ones.
+///
+/// clap's global arguments would be shorter, but they lose the overrides before the subcommand
+/// when there are others after it.
+#[derive(Debug, Args)]
+pub struct WithCommon<A: Args> {
+    /// Arguments of the subcommand.
+    #[command(flatten)]
+    pub args: A,
+    /// Common options given after the subcommand.
+    #[command(flatten)]
+    pub common: CommonArgs,
+}
+
+/// For a subcommand without arguments of its own.
+#[derive(Debug, Default, Args)]
+pub struct NoArgs {}
+
 impl CommonArgs {
+    /// These options and those given later on the command line.
+    pub fn followed_by(mut self, later: &Self) -> Self {
+        self.overrides.extend_from_slice(&later.overrides);
+        Self {
+            overrides: self.overrides,
+            threads: later.threads.or(self.threads),
+            quiet: self.quiet || later.quiet,
+        }
+    }
+
     /// Starts the thread pool with the number of threads asked for.
     ///
     /// # Errors

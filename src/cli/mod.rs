@@ -17,7 +17,7 @@ mod scenes;
 mod stepping;
 mod view;
 
-use args::CommonArgs;
+use args::{CommonArgs, NoArgs, WithCommon};
 use clap::{Parser, Subcommand};
 use console::Console;
 use failure::Failure;
@@ -53,15 +53,38 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Open the viewer, on its gallery or on a scene
-    View(view::ViewArgs),
+    View(WithCommon<view::ViewArgs>),
     /// Make a PNG, a GIF or a folder of numbered PNGs, without a window
-    Render(render::RenderArgs),
+    Render(WithCommon<render::RenderArgs>),
     /// Run a scene without pictures and write its data
-    Run(run::RunArgs),
+    Run(WithCommon<run::RunArgs>),
     /// List the built-in scenes
-    Scenes,
+    Scenes(WithCommon<NoArgs>),
     /// Say whether a scene or a mesh file is sound, and what it would cost
-    Check(check::CheckArgs),
+    Check(WithCommon<check::CheckArgs>),
+}
+
+impl Command {
+    fn common(&self) -> &CommonArgs {
+        match self {
+            Self::View(with) => &with.common,
+            Self::Render(with) => &with.common,
+            Self::Run(with) => &with.common,
+            Self::Scenes(with) => &with.common,
+            Self::Check(with) => &with.common,
+        }
+    }
+}
+
+impl Cli {
+    /// The common options, wherever they stand on the command line.
+    fn all_common(&self) -> CommonArgs {
+        let before = self.common.clone();
+        match &self.command {
+            Some(command) => before.followed_by(command.common()),
+            None => before,
+        }
+    }
 }
 
 /// Parses the arguments, runs the subcommand and returns the exit status.
@@ -73,24 +96,24 @@ pub fn main() -> ExitCode {
         Err(error) => return failure::report_usage(&error),
     };
     // The hook has told about a panic; here it only gets its exit status.
-    match std::panic::catch_unwind(AssertUnwindSafe(|| run_command(cli))) {
+    match std::panic::catch_unwind(AssertUnwindSafe(|| run_command(&cli))) {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(failure)) => failure.report(),
         Err(_) => ExitCode::from(failure::STATUS_RUN_FAILED),
     }
 }
 
-fn run_command(cli: Cli) -> Result<(), Failure> {
-    let Cli { command, common } = cli;
+fn run_command(cli: &Cli) -> Result<(), Failure> {
+    let common = cli.all_common();
     common.start_threads()?;
     let console = Console::new(common.quiet);
-    match command {
+    match &cli.command {
         None => view::run(&view::ViewArgs::default(), &common),
-        Some(Command::View(args)) => view::run(&args, &common),
-        Some(Command::Render(args)) => render::run(&args, &common, &console),
-        Some(Command::Run(args)) => run::run(&args, &common, &console),
-        Some(Command::Scenes) => scenes::run(&console),
-        Some(Command::Check(args)) => check::run(&args, &common, &console),
+        Some(Command::View(with)) => view::run(&with.args, &common),
+        Some(Command::Render(with)) => render::run(&with.args, &common, &console),
+        Some(Command::Run(with)) => run::run(&with.args, &common, &console),
+        Some(Command::Scenes(_)) => scenes::run(&console),
+        Some(Command::Check(with)) => check::run(&with.args, &common, &console),
     }
 }
 
@@ -119,6 +142,6 @@ mod tests {
             "--set=c=3",
         ];
         let cli = Cli::try_parse_from(line).unwrap();
-        assert_eq!(cli.common.overrides, ["a=1", "b=2", "c=3"]);
+        assert_eq!(cli.all_common().overrides, ["a=1", "b=2", "c=3"]);
     }
 }
