@@ -71,8 +71,9 @@ debian_install() {
     local -a missing
     mapfile -t missing < <(debian_missing "$@")
     [ "${#missing[@]}" -eq 0 ] && return 0
-    say "installing ${missing[*]}"
+    say "missing here: ${missing[*]}"
     as_root true || return 126
+    say "installing them"
     # Fails when one of several sources is down; what matters is whether the install succeeds.
     as_root apt-get update -qq || say "the package lists could not all be refreshed; going on"
     as_root env DEBIAN_FRONTEND=noninteractive \
@@ -146,9 +147,11 @@ ensure_vulkan() {
 # For somebody who may not install: unpacks the driver below target/ and points the loader at it.
 unpack_vulkan() {
     local manifests="$UNPACKED/icd.d" libraries
-    say "no right to install: unpacking the driver into $UNPACKED"
-    # shellcheck disable=SC2086  # a list of packages
-    debian_unpack $VULKAN_DEBIAN || return 1
+    if [ ! -e "$manifests/lvp_icd.json" ]; then
+        say "no right to install: unpacking the driver into $UNPACKED"
+        # shellcheck disable=SC2086  # a list of packages
+        debian_unpack $VULKAN_DEBIAN || return 1
+    fi
     libraries="$(find "$UNPACKED" -name 'libvulkan_lvp.so' -printf '%h\n' -quit)"
     [ -n "$libraries" ] || return 1
     mkdir -p "$manifests"
@@ -171,19 +174,19 @@ debian_unpack() {
     find "$UNPACKED/debs" -name '*.deb' -exec dpkg-deb -x {} "$UNPACKED" \;
 }
 
-# A virtual display and the libraries that a window loads. Without them that one test cannot run.
+# A virtual display and the libraries that a window loads. Only one test needs them, and that test
+# says so itself: whoever may not install can still run all the others.
 ensure_window() {
     case "$(system)" in
         macos | windows) return 0 ;;
         debian)
             # shellcheck disable=SC2086  # a list of packages
             debian_install $WINDOW_DEBIAN \
-                || fail "the window test needs: run \`apt-get install $WINDOW_DEBIAN\` as root, then this again"
+                || say "the window test cannot run: \`apt-get install $WINDOW_DEBIAN\` as root makes it possible"
             ;;
         *)
             have Xvfb && return 0
             name_packages "the window test" "$WINDOW_FEDORA" "$WINDOW_ARCH" "$WINDOW_DEBIAN"
-            fail "there is no Xvfb"
             ;;
     esac
 }
