@@ -1,6 +1,7 @@
 //! Arguments that several subcommands share, and how values are read.
 
 use super::failure::Failure;
+use crate::render::ColorBy;
 use clap::Args;
 
 /// Options that every subcommand has.
@@ -119,6 +120,15 @@ pub fn parse_factor(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("expected a number above zero".to_owned()),
     }
+}
+
+/// Reads what surfaces are coloured by.
+///
+/// # Errors
+/// The choices, for clap to print.
+pub fn parse_color_by(text: &str) -> Result<ColorBy, String> {
+    text.parse()
+        .map_err(|error: crate::render::UnknownColorBy| error.to_string())
 }
 
 /// Width and height of a picture in pixels.

@@ -5,12 +5,13 @@ use super::console::{Console, Progress};
 use super::failure::Failure;
 use super::interrupt;
 use super::output_folder::{self, HISTORY_FILE};
-use super::scene_source::{self, LoadedScene};
+use super::scene_source;
 use super::stepping::{self, Arrival};
 use crate::export::ExportError;
 use crate::export::csv::HistoryWriter;
 use crate::export::summary::{BodySummary, RunStatus, SceneSummary, Summary, Tally, WallTime};
 use crate::export::vtu::VtuSeries;
+use crate::scene::Scene;
 use crate::sim::{Sample, StepReport, World};
 use clap::Args;
 use std::path::PathBuf;
@@ -46,14 +47,13 @@ const VTU_FRAMES_WITHOUT_INTERVAL: f64 = 100.0;
 /// # Errors
 /// [`Failure`] as the exit statuses say; everything written before stays readable.
 pub fn run(args: &RunArgs, common: &CommonArgs, console: &Console) -> Result<(), Failure> {
-    let scene = scene_source::load(&args.scene, &common.overrides)?;
-    scene.notes.iter().for_each(|note| console.note(note));
+    let scene = scene_source::load(&args.scene, &common.overrides, console)?;
     let plan = Plan::new(args, &scene);
     let world = World::new(scene.setup.clone())?;
     // From here on there is something to keep.
     interrupt::listen()?;
     output_folder::prepare_for_run(&args.output, args.force, console)?;
-    let mut recorder = Recorder::create(args, common, &scene, &plan, world)
+    let mut recorder = Recorder::create(args, &scene, &plan, world)
         .map_err(|error| Failure::from(error).before_the_run())?;
     let mut progress = console.progress(plan.duration_s);
     let outcome = recorder.record(&plan, &mut progress);
@@ -72,9 +72,11 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(args: &RunArgs, scene: &LoadedScene) -> Self {
-        let duration_s = args.duration.unwrap_or(scene.duration_s);
-        let every_s = args.every.unwrap_or(scene.history_every_s);
+    fn new(args: &RunArgs, scene: &Scene) -> Self {
+        let duration_s = args.duration.unwrap_or(scene.description.duration_s);
+        let every_s = args
+            .every
+            .unwrap_or(scene.description.recording.history_every_s);
         let stop_every_s = if every_s > 0.0 {
             every_s
         } else if args.vtu {
@@ -110,13 +112,12 @@ struct Recorder {
 impl Recorder {
     fn create(
         args: &RunArgs,
-        common: &CommonArgs,
-        scene: &LoadedScene,
+        scene: &Scene,
         plan: &Plan,
         world: World,
     ) -> Result<Self, ExportError> {
         let initial = world.sample();
-        let summary = Summary::new(describe(scene, common, plan, &world), &initial);
+        let summary = Summary::new(describe(args, scene, plan, &world), &initial);
         summary.write(&args.output)?;
         let mut recorder = Self {
             history: HistoryWriter::create(&args.output.join(HISTORY_FILE))?,
@@ -267,12 +268,17 @@ impl Recorder {
     }
 }
 
-fn describe(scene: &LoadedScene, common: &CommonArgs, plan: &Plan, world: &World) -> SceneSummary {
+fn describe(args: &RunArgs, scene: &Scene, plan: &Plan, world: &World) -> SceneSummary {
     let bodies = world.setup().bodies.iter().enumerate();
+    let source = if scene_source::is_built_in(&args.scene) {
+        "built-in"
+    } else {
+        &args.scene
+    };
     SceneSummary {
         name: scene.name.clone(),
-        source: scene.source.clone(),
-        overrides: common.overrides.clone(),
+        source: source.to_owned(),
+        overrides: scene.overrides().to_vec(),
         duration_s: plan.duration_s,
         every_s: plan.every_s,
         bodies: bodies

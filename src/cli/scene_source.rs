@@ -1,32 +1,28 @@
-//! The one place that asks the scene module for scenes.
+//! Loading scenes for the subcommands.
 
+use super::console::Console;
 use super::failure::Failure;
-use crate::sim::WorldSetup;
+use crate::scene::{BUILTIN_SCENES, Scene};
 
-/// A scene ready to run.
-pub struct LoadedScene {
-    pub name: String,
-    pub source: String,
-    pub setup: WorldSetup,
-    pub duration_s: f64,
-    pub history_every_s: f64,
-    pub notes: Vec<String>,
-}
-
-pub fn load(name: &str, _overrides: &[String]) -> Result<LoadedScene, Failure> {
-    if name != "empty" {
-        return Err(Failure::BadInput(format!("there is no scene `{name}`")));
+/// Loads a built-in scene or a scene file with the overrides, and passes on what reading its
+/// meshes had to say.
+///
+/// # Errors
+/// [`Failure::BadInput`] with everything that is wrong with it.
+pub fn load(
+    name_or_path: &str,
+    overrides: &[String],
+    console: &Console,
+) -> Result<Scene, Failure> {
+    let scene = Scene::load(name_or_path, overrides)
+        .map_err(|error| Failure::BadInput(error.to_string()))?;
+    for (body, note) in &scene.summary.notes {
+        console.note(format_args!("note on `{body}`: {note}"));
     }
-    Ok(LoadedScene {
-        name: name.to_owned(),
-        source: "built-in".to_owned(),
-        setup: WorldSetup::default(),
-        duration_s: 1.0,
-        history_every_s: 0.1,
-        notes: Vec::new(),
-    })
+    Ok(scene)
 }
 
-pub fn built_in() -> Vec<(&'static str, String)> {
-    vec![("empty", "nothing".to_owned())]
+/// Whether a built-in scene has this name.
+pub fn is_built_in(name: &str) -> bool {
+    BUILTIN_SCENES.iter().any(|scene| scene.name == name)
 }

@@ -2,16 +2,16 @@
 
 use super::console::Console;
 use super::failure::Failure;
-use super::scene_source;
+use crate::scene::BUILTIN_SCENES;
 
 /// Lists the scenes.
 ///
 /// # Errors
 /// [`Failure`] when stdout cannot be written.
 pub fn run(console: &Console) -> Result<(), Failure> {
-    let scenes = scene_source::built_in();
-    let width = scenes.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    scenes
-        .iter()
-        .try_for_each(|(name, title)| console.result(format_args!("{name:width$}  {title}")))
+    let names = BUILTIN_SCENES.iter().map(|scene| scene.name.len());
+    let width = names.max().unwrap_or(0);
+    BUILTIN_SCENES.iter().try_for_each(|scene| {
+        console.result(format_args!("{:width$}  {}", scene.name, scene.summary))
+    })
 }
