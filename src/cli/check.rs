@@ -3,7 +3,6 @@
 use super::args::CommonArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::scene_source;
 use crate::sim::World;
 use clap::Args;
 use std::path::Path;
@@ -32,7 +31,9 @@ pub fn run(args: &CheckArgs, common: &CommonArgs, console: &Console) -> Result<(
 
 fn is_mesh(file: &str) -> bool {
     let extension = Path::new(file).extension().unwrap_or_default();
-    ["msh", "vtk", "mesh", "vtu"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+    ["msh", "vtk", "mesh", "vtu"]
+        .iter()
+        .any(|known| extension.eq_ignore_ascii_case(known))
 }
 
 fn check_scene(file: &str, common: &CommonArgs, console: &Console) -> Result<(), Failure> {
@@ -43,19 +44,25 @@ fn check_scene(file: &str, common: &CommonArgs, console: &Console) -> Result<(),
     console.result(summary.to_string().trim_end())?;
     let cost_s = ELEMENT_STEP_S * summary.elements() as f64 * summary.steps_at_most();
     if cost_s.is_finite() {
+        let cost = rough_time(cost_s);
         console.result(format_args!(
-            "  that is up to about {} of computing on one core",
-            rough_time(cost_s)
+            "  that is at most {cost} of computing on one core"
         ))?;
     }
     console.result(format_args!("`{file}` is sound"))
 }
 
+fn check_mesh(file: &str, _common: &CommonArgs, _console: &Console) -> Result<(), Failure> {
+    Err(Failure::Run(format!(
+        "checking meshes such as `{file}` is not built in yet"
+    )))
+}
+
 fn rough_time(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "a second".to_owned(),
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.0} h", s / 3600.0),
+        s if s < 120.0 => format!("about {s:.0} s"),
+        s if s < 7200.0 => format!("about {:.0} min", s / 60.0),
+        s => format!("about {:.0} h", s / 3600.0),
     }
 }

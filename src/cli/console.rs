@@ -54,6 +54,16 @@ impl Console {
     }
 }
 
+/// A time for people: six digits at most, in plain notation where that is short.
+pub fn seconds(time_s: f64) -> String {
+    let rounded: f64 = format!("{time_s:.5e}").parse().unwrap_or(time_s);
+    if rounded == 0.0 || (1e-3..1e6).contains(&rounded) {
+        format!("{rounded} s")
+    } else {
+        format!("{rounded:e} s")
+    }
+}
+
 /// A bar over simulated time.
 pub struct Progress {
     bar: ProgressBar,
@@ -104,5 +114,23 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_short_to_read() {
+        let cases = [
+            (0.0, "0 s"),
+            (1.999_999_999_999_998_2, "2 s"),
+            (0.123_456_789, "0.123457 s"),
+            (9.89e-5, "9.89e-5 s"),
+        ];
+        for (time_s, text) in cases {
+            assert_eq!(seconds(time_s), text);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What can go wrong, and the one place that tells it.
 
 use crate::export::ExportError;
+use crate::export::png::PictureError;
 use crate::sim::SimError;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -68,6 +69,12 @@ impl From<SimError> for Failure {
 
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
+        Self::Run(error.to_string())
+    }
+}
+
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
         Self::Run(error.to_string())
     }
 }

@@ -10,10 +10,12 @@ mod console;
 mod failure;
 mod interrupt;
 mod output_folder;
+mod picture_output;
 mod render;
 mod run;
 mod scene_source;
 mod scenes;
+mod shot;
 mod stepping;
 mod view;
 

@@ -5,7 +5,8 @@ use super::failure::Failure;
 use super::output_folder::{numbered_files, remove};
 use super::shot::Shot;
 use crate::export::gif::GifWriter;
-use crate::export::{create_folder, png};
+use crate::export::png::write_png;
+use crate::export::{ExportError, create_folder, partial_name};
 use crate::render::Picture;
 use std::path::{Path, PathBuf};
 
@@ -63,8 +64,15 @@ impl PictureSink {
     ///
     /// # Errors
     /// [`Failure::BadInput`] when the place cannot be used.
-    pub fn create(path: &Path, shot: &Shot, force: bool, console: &Console) -> Result<Self, Failure> {
-        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    pub fn create(
+        path: &Path,
+        shot: &Shot,
+        force: bool,
+        console: &Console,
+    ) -> Result<Self, Failure> {
+        let parent = path
+            .parent()
+            .filter(|parent| !parent.as_os_str().is_empty());
         parent
             .map_or(Ok(()), create_folder)
             .map_err(|error| Failure::from(error).before_the_run())?;
@@ -92,10 +100,10 @@ impl PictureSink {
     /// [`Failure::Run`] when it cannot be written.
     pub fn add(&mut self, picture: &Picture) -> Result<(), Failure> {
         match self {
-            Self::Png(path) => png::write(path, picture)?,
+            Self::Png(path) => write_png(path, picture)?,
             Self::Gif(writer) => writer.add(picture)?,
             Self::Folder { folder, next } => {
-                png::write(&folder.join(format!("{PREFIX}{next:05}{SUFFIX}")), picture)?;
+                write_png(&folder.join(format!("{PREFIX}{next:05}{SUFFIX}")), picture)?;
                 *next += 1;
             }
         }
@@ -112,6 +120,14 @@ impl PictureSink {
             Self::Png(_) | Self::Folder { .. } => Ok(()),
         }
     }
+}
+
+/// Finds out before the simulation whether the picture can be written after it.
+fn check_writable(path: &Path) -> Result<(), Failure> {
+    let trial = partial_name(path);
+    std::fs::write(&trial, b"")
+        .and_then(|()| std::fs::remove_file(&trial))
+        .map_err(|error| Failure::from(ExportError::io("write", path)(error)).before_the_run())
 }
 
 const PREFIX: &str = "frame-";

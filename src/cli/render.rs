@@ -6,7 +6,7 @@
 use super::args::{
     CommonArgs, Size, parse_color_by, parse_duration, parse_factor, parse_size, parse_time,
 };
-use super::console::Console;
+use super::console::{Console, seconds};
 use super::failure::Failure;
 use super::interrupt;
 use super::picture_output::{OutputKind, PictureSink};
@@ -104,7 +104,9 @@ fn simulate(
     let mut progress = console.progress(shot.end_s());
     for moment_s in shot.moments_s() {
         let arrival = stepping::advance(world, moment_s, |_, step| {
-            progress.at(step.time_s, || format!("simulating t = {:.4e} s", step.time_s));
+            progress.at(step.time_s, || {
+                format!("simulating t = {:.4e} s", step.time_s)
+            });
             Ok(())
         });
         if !matches!(arrival, Ok(Arrival::Reached)) {
@@ -135,7 +137,9 @@ fn draw(
         }
         sink.add(&studio.draw(frame, &setting)?)?;
         finished += 1;
-        progress.at(finished as f64, || format!("drawing {finished} of {}", frames.len()));
+        progress.at(finished as f64, || {
+            format!("drawing {finished} of {}", frames.len())
+        });
     }
     sink.finish()?;
     Ok(finished)
@@ -165,13 +169,15 @@ impl Report<'_> {
         if arrival == Arrival::Interrupted || finished < self.frames {
             let kept = self.kept(finished);
             return Err(Failure::Interrupted(format!(
-                "stopped at t = {} s; {kept}",
-                self.time_s
+                "stopped at t = {}; {kept}",
+                seconds(self.time_s)
             )));
         }
         console.closing(format_args!(
-            "{} s simulated in {:.1} s, {pictures} drawn in {:.1} s",
-            self.time_s, self.simulated_in_s, self.drawn_in_s,
+            "{} simulated in {:.1} s, {pictures} drawn in {:.1} s",
+            seconds(self.time_s),
+            self.simulated_in_s,
+            self.drawn_in_s,
         ))?;
         console.closing(format_args!("wrote `{output}`"))
     }

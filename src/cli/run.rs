@@ -1,7 +1,7 @@
 //! `hammerfall run`: a scene without pictures, as data.
 
 use super::args::{CommonArgs, parse_duration, parse_time};
-use super::console::{Console, Progress};
+use super::console::{Console, Progress, seconds};
 use super::failure::Failure;
 use super::interrupt;
 use super::output_folder::{self, HISTORY_FILE};
@@ -201,10 +201,10 @@ impl Recorder {
         let arrival = outcome?;
         closed?;
         let folder = args.output.display();
-        let (time_s, rows) = (self.world.time_s(), self.tally.counts.rows);
+        let (time_s, rows) = (seconds(self.world.time_s()), self.tally.counts.rows);
         if arrival == Arrival::Interrupted {
             return Err(Failure::Interrupted(format!(
-                "stopped at t = {time_s} s; `{folder}` keeps {rows} rows and everything else up to there"
+                "stopped at t = {time_s}; `{folder}` keeps {rows} rows and everything else up to there"
             )));
         }
         self.report(args, console)
@@ -247,8 +247,8 @@ impl Recorder {
         } = &self.summary;
         let folder = args.output.display();
         console.closing(format_args!(
-            "{} s simulated in {:.3} s: {} steps, {} of them with contact",
-            self.world.time_s(),
+            "{} simulated in {:.3} s: {} steps, {} of them with contact",
+            seconds(self.world.time_s()),
             wall_time.total_s,
             counts.steps,
             counts.contact_steps,

@@ -3,11 +3,10 @@
 use super::failure::Failure;
 use super::picture_output::OutputKind;
 use super::render::RenderArgs;
-use super::stepping;
 use crate::frame::Frame;
 use crate::render::{
-    Camera, Caption, ColorBy, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture,
-    Range, View,
+    Camera, Caption, ColorBy, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range,
+    View,
 };
 use crate::scene::SceneDescription;
 use crate::scene::description::{Camera as SceneCamera, Eye, Recording};
@@ -34,15 +33,25 @@ pub struct Shot {
 /// When pictures are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Moments {
-    One { at_s: f64 },
-    Even { start_s: f64, interval_s: f64, count: u32 },
+    One {
+        at_s: f64,
+    },
+    Even {
+        start_s: f64,
+        interval_s: f64,
+        count: u32,
+    },
 }
 
 impl Moments {
     fn time_s(self, index: u32) -> f64 {
         match self {
             Self::One { at_s } => at_s,
-            Self::Even { start_s, interval_s, .. } => start_s + f64::from(index) * interval_s,
+            Self::Even {
+                start_s,
+                interval_s,
+                ..
+            } => start_s + f64::from(index) * interval_s,
         }
     }
 
@@ -171,12 +180,17 @@ fn color_by_of(recording: &Recording) -> Result<ColorBy, Failure> {
 fn choose_camera(asked: Option<&str>, scene: &SceneDescription) -> Result<CameraChoice, Failure> {
     let Some(name) = asked.or(scene.recording.camera.as_deref()) else {
         let first = scene.cameras.first().cloned();
-        return Ok(first.map_or_else(|| CameraChoice::Named(NamedView::default()), CameraChoice::OfScene));
+        return Ok(first.map_or_else(
+            || CameraChoice::Named(NamedView::default()),
+            CameraChoice::OfScene,
+        ));
     };
     if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
         return Ok(CameraChoice::OfScene(camera.clone()));
     }
-    name.parse().map(CameraChoice::Named).map_err(|_| unknown_camera(name, scene))
+    name.parse()
+        .map(CameraChoice::Named)
+        .map_err(|_| unknown_camera(name, scene))
 }
 
 fn unknown_camera(name: &str, scene: &SceneDescription) -> Failure {
@@ -268,6 +282,7 @@ fn gpu_failure(error: GpuError) -> Failure {
 
 #[cfg(test)]
 mod tests {
+    use super::super::stepping;
     use super::*;
 
     #[test]
@@ -291,7 +306,11 @@ mod tests {
         let (eye_m, target_m) = (Vec3::new(3.0, -2.0, 1.5), Vec3::new(0.5, 0.5, 0.5));
         let mut camera = Camera::default();
         look_from(&mut camera, eye_m, target_m);
-        assert!((camera.eye_m() - eye_m).length() < 1e-5, "{}", camera.eye_m());
+        assert!(
+            (camera.eye_m() - eye_m).length() < 1e-5,
+            "{}",
+            camera.eye_m()
+        );
         assert_eq!(camera.target_m, target_m);
     }
 }

@@ -45,9 +45,12 @@ pub fn advance(
     Ok(Arrival::Reached)
 }
 
-/// Whether `time_s` is `target_s` up to the rounding of the last sum.
+/// Whether `time_s` is `target_s` up to the rounding of many sums.
+///
+/// A step over what is left then would be too short for the contact forces, which divide by it.
 pub fn reached(time_s: f64, target_s: f64) -> bool {
-    time_s >= target_s * (1.0 - 4.0 * f64::EPSILON)
+    const ROUNDING: f64 = 1e-12;
+    time_s >= target_s * (1.0 - ROUNDING)
 }
 
 fn stuck(world: &World) -> Failure {
