@@ -5,7 +5,7 @@
 
 use super::path::{self, Segment};
 use super::problem::{Location, Problem, SceneError};
-use super::reader::Finding;
+use super::findings::Finding;
 use super::tree::{self, Entry, Node, Origin, Value};
 use toml::de::{DeTable, DeValue};
 use toml_edit::{DocumentMut, Item, TableLike};

@@ -12,6 +12,7 @@ mod boxes;
 mod build;
 pub mod description;
 mod document;
+mod findings;
 mod library;
 mod overlap;
 mod parse;
@@ -19,6 +20,7 @@ mod path;
 mod place;
 mod presets;
 mod problem;
+mod quantity;
 mod reader;
 mod selection;
 mod settle;
@@ -37,7 +39,7 @@ pub use shape::{MeshFile, Shape};
 pub use summary::{BodySummary, SceneSummary};
 
 use crate::sim::WorldSetup;
-use reader::{Finding, Findings};
+use findings::{Finding, Findings};
 use std::path::{Path, PathBuf};
 
 /// A scene, checked and ready to run.

@@ -6,7 +6,9 @@ mod settings;
 
 use super::description::{GROUND, Ground, SceneDescription};
 use super::presets::{self, PRESETS};
-use super::reader::{Findings, Quantity, Table};
+use super::findings::Findings;
+use super::quantity::Quantity;
+use super::reader::Table;
 use super::tree::Node;
 use crate::sim::Material;
 use glam::DVec3;

@@ -16,6 +16,15 @@ pub(super) enum Segment {
 /// Tables whose keys are names chosen by the scene's author: an override must name one that is there.
 const NAMED_TABLES: [&str; 2] = ["materials", "cameras"];
 
+/// A path and one more step; either may be empty.
+pub(super) fn join(path: &str, key: &str) -> String {
+    match (path.is_empty(), key.is_empty()) {
+        (true, _) => key.to_owned(),
+        (_, true) => path.to_owned(),
+        _ => format!("{path}.{key}"),
+    }
+}
+
 /// Splits `a.b[2].c` into `a`, `b`, `2`, `c`.
 pub(super) fn split(path: &str) -> Result<Vec<&str>, String> {
     let parts: Vec<&str> = path

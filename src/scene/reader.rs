@@ -7,187 +7,12 @@
 //! Nothing stops at the first problem: a value that cannot be used is reported and a stand-in is
 //! handed back, and the caller goes on. [`Findings::into_problems`] tells at the end.
 
-use super::problem::{nearest, suggestion};
+use super::findings::{Findings, Stranger};
+use super::path::join;
+use super::problem::suggestion;
+use super::quantity::Quantity;
 use super::tree::{Entry, Node, Origin, Value};
 use glam::DVec3;
-use std::cell::RefCell;
-use std::collections::BTreeSet;
-
-/// The limits and the unit of a number.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Quantity {
-    unit: &'static str,
-    above: f64,
-    at_least: f64,
-    at_most: f64,
-    below: f64,
-}
-
-impl Quantity {
-    /// Any finite number.
-    pub const fn any(unit: &'static str) -> Self {
-        Self {
-            unit,
-            above: f64::NEG_INFINITY,
-            at_least: f64::MIN,
-            at_most: f64::MAX,
-            below: f64::INFINITY,
-        }
-    }
-
-    /// A number above zero.
-    pub const fn positive(unit: &'static str) -> Self {
-        let mut quantity = Self::any(unit);
-        quantity.above = 0.0;
-        quantity
-    }
-
-    /// Zero or above.
-    pub const fn not_negative(unit: &'static str) -> Self {
-        let mut quantity = Self::any(unit);
-        quantity.at_least = 0.0;
-        quantity
-    }
-
-    /// Between two limits that are themselves excluded.
-    pub const fn strictly_between(low: f64, high: f64, unit: &'static str) -> Self {
-        let mut quantity = Self::any(unit);
-        quantity.above = low;
-        quantity.below = high;
-        quantity
-    }
-
-    /// The same, up to and with a largest value.
-    pub const fn up_to(mut self, high: f64) -> Self {
-        self.at_most = high;
-        self
-    }
-
-    fn allows(self, number: f64) -> bool {
-        number.is_finite()
-            && number > self.above
-            && number >= self.at_least
-            && number <= self.at_most
-            && number < self.below
-    }
-
-    fn limits_in_words(self) -> String {
-        let mut limits = Vec::new();
-        if self.above.is_finite() {
-            limits.push(format!("above {}", self.above));
-        }
-        if self.at_least > f64::MIN {
-            limits.push(format!("at least {}", self.at_least));
-        }
-        if self.at_most < f64::MAX {
-            limits.push(format!("at most {}", self.at_most));
-        }
-        if self.below.is_finite() {
-            limits.push(format!("below {}", self.below));
-        }
-        if limits.is_empty() {
-            limits.push("a finite number".to_owned());
-        }
-        limits.join(" and ")
-    }
-
-    fn unit_in_words(self) -> String {
-        if self.unit.is_empty() {
-            String::new()
-        } else {
-            format!(" ({})", self.unit)
-        }
-    }
-
-    /// A number that passes, to go on with after a problem.
-    fn stand_in(self) -> f64 {
-        [1.0, 0.0, 0.1, self.at_least]
-            .into_iter()
-            .find(|&number| self.allows(number))
-            .unwrap_or(0.25)
-    }
-}
-
-/// A problem before its place is turned into a line.
-#[derive(Clone, Debug)]
-pub(super) struct Finding {
-    pub origin: Origin,
-    pub path: String,
-    pub message: String,
-}
-
-/// A key nobody asked for.
-struct Stranger {
-    origin: Origin,
-    table: String,
-    key: String,
-    known: Vec<&'static str>,
-}
-
-/// What was found so far, and which keys exist.
-#[derive(Default)]
-pub(super) struct Findings {
-    list: RefCell<Vec<Finding>>,
-    strangers: RefCell<Vec<Stranger>>,
-    /// Every key asked for: (table's pattern such as `bodies[].shape`, key).
-    asked: RefCell<BTreeSet<(String, &'static str)>>,
-}
-
-impl Findings {
-    /// Adds a problem.
-    pub fn add(&self, origin: Origin, path: &str, message: String) {
-        self.list.borrow_mut().push(Finding {
-            origin,
-            path: path.to_owned(),
-            message,
-        });
-    }
-
-    /// Every key that was asked for, with the pattern of its table.
-    pub fn asked(&self) -> BTreeSet<(String, &'static str)> {
-        self.asked.borrow().clone()
-    }
-
-    /// All problems.
-    pub fn into_problems(self) -> Vec<Finding> {
-        let asked = self.asked.into_inner();
-        let mut list = self.list.into_inner();
-        list.extend(
-            self.strangers
-                .into_inner()
-                .into_iter()
-                .map(|stranger| Finding {
-                    origin: stranger.origin,
-                    path: join(&stranger.table, &stranger.key),
-                    message: stranger.in_words(&asked),
-                }),
-        );
-        list
-    }
-}
-
-impl Stranger {
-    fn in_words(&self, asked: &BTreeSet<(String, &'static str)>) -> String {
-        let place = if self.table.is_empty() {
-            "at the top of the scene".to_owned()
-        } else {
-            format!("in `{}`", self.table)
-        };
-        let key = &self.key;
-        if let Some(name) = nearest(key, self.known.iter().copied()) {
-            return format!("unknown key `{key}` {place}; did you mean `{name}`?");
-        }
-        let home = asked.iter().find(|(_, name)| name == key);
-        match home.map(|(table, _)| table.as_str()) {
-            Some("") => format!("`{key}` does not belong {place}, but at the top of the scene"),
-            Some(table) => format!("`{key}` does not belong {place}, but in `{table}`"),
-            None => format!(
-                "unknown key `{key}` {place}{}",
-                suggestion(key, self.known.iter().copied())
-            ),
-        }
-    }
-}
 
 /// A table being read.
 pub(super) struct Table<'a> {
@@ -477,8 +302,7 @@ impl<'a> Table<'a> {
     fn ask(&mut self, key: &'static str) -> Option<&'a Node> {
         if !self.asked.contains(&key) {
             self.asked.push(key);
-            let mut all = self.findings.asked.borrow_mut();
-            all.insert((self.pattern.clone(), key));
+            self.findings.note_key(&self.pattern, key);
         }
         self.entry(key).map(|entry| &entry.node)
     }
@@ -571,7 +395,7 @@ impl Drop for Table<'_> {
         let entries = self.node.and_then(Node::entries).unwrap_or_default();
         for entry in entries {
             if !self.asked.contains(&entry.key.as_str()) {
-                self.findings.strangers.borrow_mut().push(Stranger {
+                self.findings.add_stranger(Stranger {
                     origin: entry.key_origin,
                     table: self.path.clone(),
                     key: entry.key.clone(),
@@ -589,12 +413,4 @@ pub(super) enum Kind {
     List,
     Table,
     Other,
-}
-
-fn join(path: &str, key: &str) -> String {
-    match (path.is_empty(), key.is_empty()) {
-        (true, _) => key.to_owned(),
-        (_, true) => path.to_owned(),
-        _ => format!("{path}.{key}"),
-    }
 }

@@ -3,7 +3,8 @@
 //! A new size of a shape is one line in that shape's reading function; a new shape is one such function
 //! and its word in [`Kind`].
 
-use super::reader::{Quantity, Table};
+use super::quantity::Quantity;
+use super::reader::Table;
 use crate::mesh::shapes::{self, HexSplit, Meshing, Resolution};
 use glam::DVec3;
 

@@ -1,7 +1,8 @@
 //! The `[[bodies]]` entries.
 
 use super::super::description::{Body, BodyMaterial, Boundary, Copies, Placement, Selection, Side};
-use super::super::reader::{Kind, Quantity, Table};
+use super::super::quantity::Quantity;
+use super::super::reader::{Kind, Table};
 use super::super::shape::Shape;
 use super::{check_name, read_color};
 use crate::sim::{BodyMotion, BoundaryAction, Kinematics, PrescribedMotion};

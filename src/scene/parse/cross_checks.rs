@@ -4,7 +4,7 @@ use super::super::description::{Body, BodyMaterial, GROUND, SceneDescription};
 use super::super::path;
 use super::super::presets::PRESETS;
 use super::super::problem::suggestion;
-use super::super::reader::Findings;
+use super::super::findings::Findings;
 use super::super::tree::Node;
 use super::is_ground;
 

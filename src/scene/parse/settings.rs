@@ -1,7 +1,8 @@
 //! Contact, time, cameras and recording.
 
 use super::super::description::{Camera, ColorBy, Contact, Eye, Recording};
-use super::super::reader::{Quantity, Table};
+use super::super::quantity::Quantity;
+use super::super::reader::Table;
 use super::{check_name, read_friction};
 use crate::sim::{ContactMethod, ContactParameters, TimeParameters};
 
