@@ -1,5 +1,10 @@
 //! Tetrahedral meshes: data, adjacency, surface, built-in shapes, import from files.
 
+mod quality;
+pub mod shapes;
+mod surface;
 mod tet_mesh;
 
+pub use quality::{ElementShape, MeshReport, SLIVER_QUALITY, WorstElement};
+pub use surface::{NodeTets, Pieces, Surface, SurfaceEdge, TET_FACES};
 pub use tet_mesh::{TetMesh, signed_volume_m3};

@@ -1,0 +1,405 @@
+//! Shapes with flat sides: box, rod, plate, pile, notched beam, table.
+
+use super::lattice::{Axis, cells_along, lattice};
+use super::{Check, Meshing, Resolution, ShapeError};
+use crate::mesh::TetMesh;
+use glam::DVec3;
+
+/// A box centred at the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoxShape {
+    /// Lengths along x, y and z, m.
+    pub size_m: DVec3,
+}
+
+impl Default for BoxShape {
+    fn default() -> Self {
+        Self {
+            size_m: DVec3::splat(0.1),
+        }
+    }
+}
+
+impl BoxShape {
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let [x, y, z] = self.size_m.to_array();
+        Block {
+            check: Check("box"),
+            arguments: [("size_m[0]", x), ("size_m[1]", y), ("size_m[2]", z)],
+            low_m: -self.size_m / 2.0,
+        }
+        .build(meshing)
+    }
+}
+
+/// A prism along x, centred at the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rod {
+    /// Length along x, m.
+    pub length_m: f64,
+    /// Width along y, m.
+    pub width_m: f64,
+    /// Height along z, m.
+    pub height_m: f64,
+}
+
+impl Default for Rod {
+    fn default() -> Self {
+        Self {
+            length_m: 0.254,
+            width_m: 0.0254,
+            height_m: 0.0254,
+        }
+    }
+}
+
+impl Rod {
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let size_m = DVec3::new(self.length_m, self.width_m, self.height_m);
+        Block {
+            check: Check("rod"),
+            arguments: [
+                ("length_m", size_m.x),
+                ("width_m", size_m.y),
+                ("height_m", size_m.z),
+            ],
+            low_m: -size_m / 2.0,
+        }
+        .build(meshing)
+    }
+}
+
+/// A plate in the xy plane, centred at the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plate {
+    /// Length along x, m.
+    pub length_m: f64,
+    /// Width along y, m.
+    pub width_m: f64,
+    /// Thickness along z, m.
+    pub thickness_m: f64,
+}
+
+impl Default for Plate {
+    fn default() -> Self {
+        Self {
+            length_m: 1.0,
+            width_m: 1.0,
+            thickness_m: 0.1,
+        }
+    }
+}
+
+impl Plate {
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let size_m = DVec3::new(self.length_m, self.width_m, self.thickness_m);
+        Block {
+            check: Check("plate"),
+            arguments: [
+                ("length_m", size_m.x),
+                ("width_m", size_m.y),
+                ("thickness_m", size_m.z),
+            ],
+            low_m: -size_m / 2.0,
+        }
+        .build(meshing)
+    }
+}
+
+/// A rectangular column that stands on z = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pile {
+    /// Width along x, m.
+    pub width_m: f64,
+    /// Depth along y, m.
+    pub depth_m: f64,
+    /// Height along z, m.
+    pub height_m: f64,
+}
+
+impl Default for Pile {
+    fn default() -> Self {
+        Self {
+            width_m: 0.4,
+            depth_m: 0.4,
+            height_m: 1.0,
+        }
+    }
+}
+
+impl Pile {
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let size_m = DVec3::new(self.width_m, self.depth_m, self.height_m);
+        Block {
+            check: Check("pile"),
+            arguments: [
+                ("width_m", size_m.x),
+                ("depth_m", size_m.y),
+                ("height_m", size_m.z),
+            ],
+            low_m: DVec3::new(-size_m.x / 2.0, -size_m.y / 2.0, 0.0),
+        }
+        .build(meshing)
+    }
+}
+
+/// A box under whichever name: its sizes along x, y, z with their argument names, and its lowest
+/// corner.
+struct Block {
+    check: Check,
+    arguments: [(&'static str, f64); 3],
+    low_m: DVec3,
+}
+
+impl Block {
+    /// Refinement 1 has one cell along the shortest side.
+    fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        self.check.lengths(&self.arguments)?;
+        let size_m = self.arguments.map(|(_, length_m)| length_m);
+        let cells = self.cells(size_m, meshing.resolution)?;
+        let position_m = |at: [u32; 3]| {
+            self.low_m
+                + DVec3::from_array(std::array::from_fn(|axis| {
+                    size_m[axis] * f64::from(at[axis]) / f64::from(cells[axis])
+                }))
+        };
+        let hexes = lattice(self.check.0, cells, |_| Some(0), position_m)?;
+        Ok(hexes.split(meshing.split, &["all"]))
+    }
+
+    fn cells(&self, size_m: [f64; 3], resolution: Resolution) -> Result<[u32; 3], ShapeError> {
+        if let Resolution::Cells(cells) = resolution {
+            return match cells.iter().position(|&n| n == 0) {
+                Some(axis) => Err(self.check.error(
+                    ["cells[0]", "cells[1]", "cells[2]"][axis],
+                    0.0,
+                    "a whole number from 1",
+                )),
+                None => Ok(cells),
+            };
+        }
+        let shortest_m = size_m.into_iter().fold(f64::INFINITY, f64::min);
+        let element_m = self.check.element_size_m(resolution, shortest_m)?;
+        Ok(size_m.map(|length_m| cells_along(length_m, element_m)))
+    }
+}
+
+/// Which face of a beam is notched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NotchSide {
+    /// The upper one (+z).
+    #[default]
+    Top,
+    /// The lower one (-z).
+    Bottom,
+}
+
+/// A beam along x, centred at the origin, with a U-shaped notch across its middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Length along x, m.
+    pub length_m: f64,
+    /// Width along y, m.
+    pub width_m: f64,
+    /// Height along z, m.
+    pub height_m: f64,
+    /// Width of the notch along x, m.
+    pub notch_width_m: f64,
+    /// Depth of the notch along z, m.
+    pub notch_depth_m: f64,
+    /// Face that is notched.
+    pub notch_side: NotchSide,
+}
+
+impl Default for Beam {
+    fn default() -> Self {
+        Self {
+            length_m: 1.0,
+            width_m: 0.2,
+            height_m: 0.3,
+            notch_width_m: 0.1,
+            notch_depth_m: 0.15,
+            notch_side: NotchSide::Top,
+        }
+    }
+}
+
+impl Beam {
+    /// Refinement 1 has one cell across the beam and beside, below and along the notch.
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let check = Check("beam");
+        self.check(check)?;
+        let arm_m = (self.length_m - self.notch_width_m) / 2.0;
+        let element_m = check.element_size_m(
+            meshing.resolution,
+            arm_m.max(self.width_m).max(self.height_m),
+        )?;
+        let cells = |length_m| cells_along(length_m, element_m);
+        let (half_m, notch_m) = (self.length_m / 2.0, self.notch_width_m / 2.0);
+        let x = Axis::new(
+            &[-half_m, -notch_m, notch_m, half_m],
+            &[cells(arm_m), cells(self.notch_width_m), cells(arm_m)],
+        );
+        let y = Axis::new(
+            &[-self.width_m / 2.0, self.width_m / 2.0],
+            &[cells(self.width_m)],
+        );
+        let (z, notch_layer) = self.height_axis(cells);
+        let hexes = lattice(
+            check.0,
+            [x.cells(), y.cells(), z.cells()],
+            |[i, _, k]| {
+                let in_notch = x.interval_of(i) == 1 && z.interval_of(k) == notch_layer;
+                (!in_notch).then_some(0)
+            },
+            |[i, j, k]| DVec3::new(x.at(i), y.at(j), z.at(k)),
+        )?;
+        Ok(hexes.split(meshing.split, &["all"]))
+    }
+
+    fn check(&self, check: Check) -> Result<(), ShapeError> {
+        check.lengths(&[
+            ("length_m", self.length_m),
+            ("width_m", self.width_m),
+            ("height_m", self.height_m),
+            ("notch_width_m", self.notch_width_m),
+            ("notch_depth_m", self.notch_depth_m),
+        ])?;
+        check.below(
+            "notch_width_m",
+            self.notch_width_m,
+            self.length_m,
+            "`length_m`",
+        )?;
+        check.below(
+            "notch_depth_m",
+            self.notch_depth_m,
+            self.height_m,
+            "`height_m`",
+        )
+    }
+
+    /// The axis along z and which of its two intervals holds the notch.
+    fn height_axis(&self, cells: impl Fn(f64) -> u32) -> (Axis, usize) {
+        let half_m = self.height_m / 2.0;
+        let web_m = self.height_m - self.notch_depth_m;
+        match self.notch_side {
+            NotchSide::Top => {
+                let breaks_m = [-half_m, -half_m + web_m, half_m];
+                (
+                    Axis::new(&breaks_m, &[cells(web_m), cells(self.notch_depth_m)]),
+                    1,
+                )
+            }
+            NotchSide::Bottom => {
+                let breaks_m = [-half_m, half_m - web_m, half_m];
+                (
+                    Axis::new(&breaks_m, &[cells(self.notch_depth_m), cells(web_m)]),
+                    0,
+                )
+            }
+        }
+    }
+}
+
+/// A table on four tapered legs that stands on z = 0; regions `"top"` and `"legs"`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Table {
+    /// Length along x, m.
+    pub length_m: f64,
+    /// Width along y, m.
+    pub width_m: f64,
+    /// Height of the upper face, m.
+    pub height_m: f64,
+    /// Thickness of the top, m.
+    pub top_thickness_m: f64,
+    /// Side of the square legs where they meet the top, m.
+    pub leg_width_m: f64,
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        Self {
+            length_m: 1.2,
+            width_m: 0.8,
+            height_m: 0.72,
+            top_thickness_m: 0.06,
+            leg_width_m: 0.1,
+        }
+    }
+}
+
+impl Table {
+    /// Side of a leg at the floor over its side at the top.
+    pub const LEG_TAPER: f64 = 0.6;
+
+    /// Refinement 1 has one cell between the legs and three along each of them.
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let check = Check("table");
+        self.check(check)?;
+        let leg_m = self.height_m - self.top_thickness_m;
+        let element_m = check.element_size_m(
+            meshing.resolution,
+            self.length_m.max(self.width_m).max(leg_m),
+        )?;
+        let across = |length_m: f64| {
+            let inner_m = length_m / 2.0 - self.leg_width_m;
+            let leg = cells_along(self.leg_width_m, element_m);
+            Axis::new(
+                &[-length_m / 2.0, -inner_m, inner_m, length_m / 2.0],
+                &[leg, cells_along(2.0 * inner_m, element_m), leg],
+            )
+        };
+        let (x, y) = (across(self.length_m), across(self.width_m));
+        let z = Axis::new(
+            &[0.0, leg_m, self.height_m],
+            &[
+                cells_along(leg_m, element_m).max(3),
+                cells_along(self.top_thickness_m, element_m),
+            ],
+        );
+        let region_of = |[i, j, k]: [u32; 3]| match z.interval_of(k) {
+            1 => Some(0),
+            _ => (x.interval_of(i) != 1 && y.interval_of(j) != 1).then_some(1),
+        };
+        let position_m = |[i, j, k]: [u32; 3]| {
+            let taper = Self::LEG_TAPER + (1.0 - Self::LEG_TAPER) * (z.at(k) / leg_m).min(1.0);
+            DVec3::new(
+                self.tapered(x.at(i), self.length_m, taper),
+                self.tapered(y.at(j), self.width_m, taper),
+                z.at(k),
+            )
+        };
+        let cells = [x.cells(), y.cells(), z.cells()];
+        let hexes = lattice(check.0, cells, region_of, position_m)?;
+        Ok(hexes.split(meshing.split, &["top", "legs"]))
+    }
+
+    /// Moves a coordinate towards the axis of its leg.
+    fn tapered(&self, at_m: f64, length_m: f64, taper: f64) -> f64 {
+        let axis_m = (length_m - self.leg_width_m) / 2.0 * at_m.signum();
+        axis_m + (at_m - axis_m) * taper
+    }
+
+    fn check(&self, check: Check) -> Result<(), ShapeError> {
+        check.lengths(&[
+            ("length_m", self.length_m),
+            ("width_m", self.width_m),
+            ("height_m", self.height_m),
+            ("top_thickness_m", self.top_thickness_m),
+            ("leg_width_m", self.leg_width_m),
+        ])?;
+        check.below(
+            "top_thickness_m",
+            self.top_thickness_m,
+            self.height_m,
+            "`height_m`",
+        )?;
+        check.below(
+            "leg_width_m",
+            self.leg_width_m,
+            self.length_m.min(self.width_m) / 2.0,
+            "half of the table's shorter side",
+        )
+    }
+}

@@ -1,0 +1,558 @@
+//! Round shapes: ball, cup, lamp.
+
+use super::lathe::{Disc, DiscNode, Sweep};
+use super::lattice::{Axis, cells_along, check_count, disc_from_square, even_cells_along, lattice};
+use super::{Check, Meshing, ShapeError};
+use crate::mesh::TetMesh;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+
+/// A ball centred at the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Radius, m.
+    pub radius_m: f64,
+}
+
+impl Default for Ball {
+    fn default() -> Self {
+        Self { radius_m: 0.05 }
+    }
+}
+
+impl Ball {
+    /// Refinement 1 is a cube of two cells a side, bent round.
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let check = Check("ball");
+        check.length("radius_m", self.radius_m)?;
+        let quarter_m = self.radius_m * FRAC_PI_2;
+        let element_m = check.element_size_m(meshing.resolution, quarter_m / 2.0)?;
+        let cells = even_cells_along(quarter_m, element_m);
+        let hexes = lattice(
+            check.0,
+            [cells; 3],
+            |_| Some(0),
+            |at| {
+                let cube = at.map(|n| 2.0 * f64::from(n) / f64::from(cells) - 1.0);
+                self.radius_m * ball_from_cube(DVec3::from_array(cube))
+            },
+        )?;
+        Ok(hexes.split(meshing.split, &["all"]))
+    }
+}
+
+/// Size of the innermost cubes against straight lines to the surface: chosen by trial for the
+/// best worst element.
+const BALL_CORE_SCALE: f64 = 0.8;
+
+/// Maps the cube [-1, 1]^3 to the unit ball: cubes near the centre stay cubes, outer ones become
+/// spheres whose points lie at equal angles.
+fn ball_from_cube(cube: DVec3) -> DVec3 {
+    let depth = cube.abs().max_element();
+    if depth == 0.0 {
+        return DVec3::ZERO;
+    }
+    let on_cube = cube / depth;
+    let on_sphere = (on_cube * FRAC_PI_4).map(f64::tan).normalize();
+    depth * (on_cube * BALL_CORE_SCALE).lerp(on_sphere, depth)
+}
+
+/// A round cup, open at the top, that stands on z = 0 with its handle towards +x; regions
+/// `"bowl"` and `"handle"`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cup {
+    /// Outer radius at the rim, m.
+    pub radius_m: f64,
+    /// Height, m.
+    pub height_m: f64,
+    /// Thickness of the wall, m.
+    pub wall_m: f64,
+}
+
+impl Default for Cup {
+    fn default() -> Self {
+        Self {
+            radius_m: 0.042,
+            height_m: 0.095,
+            wall_m: 0.005,
+        }
+    }
+}
+
+/// Layers and cells of a cup.
+struct CupPlan {
+    cup: Cup,
+    disc: Disc,
+    wall_rings: u32,
+    z: Axis,
+    element_m: f64,
+}
+
+impl Cup {
+    /// Outer radius at the foot over that at the rim.
+    const FOOT_RATIO: f64 = 0.76;
+    /// Thickness of the bottom over that of the wall.
+    const BOTTOM_RATIO: f64 = 1.4;
+    /// Where the handle's middle line leaves the wall, over the cup's height.
+    const HANDLE_ENDS: [f64; 2] = [0.27, 0.78];
+    /// How far the handle stands out, over the distance between its ends.
+    const HANDLE_REACH: f64 = 0.62;
+    /// Width of the handle as an angle seen from the cup's axis, radians.
+    const HANDLE_ANGLE: f64 = 0.36;
+
+    /// Refinement 1 has 16 cells around and one across the wall.
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let check = Check("cup");
+        self.check(check)?;
+        let around_m = TAU * self.radius_m;
+        let element_m = check.element_size_m(meshing.resolution, around_m / 16.0)?;
+        let plan = self.plan(element_m);
+        plan.check_size(check)?;
+        let mut sweep = plan.sweep();
+        plan.add_handle(&mut sweep);
+        Ok(sweep.mesh.split(meshing.split, &["bowl", "handle"]))
+    }
+
+    fn check(&self, check: Check) -> Result<(), ShapeError> {
+        check.lengths(&[
+            ("radius_m", self.radius_m),
+            ("height_m", self.height_m),
+            ("wall_m", self.wall_m),
+        ])?;
+        check.below(
+            "wall_m",
+            self.wall_m,
+            0.5 * self.radius_m,
+            "half of `radius_m`",
+        )?;
+        check.below(
+            "wall_m",
+            self.wall_m,
+            0.25 * self.height_m,
+            "a quarter of `height_m`",
+        )
+    }
+
+    fn plan(&self, element_m: f64) -> CupPlan {
+        let core = even_cells_along(TAU * self.radius_m / 4.0, element_m).max(4);
+        let wall_rings = cells_along(self.wall_m, element_m);
+        let bottom_m = Self::BOTTOM_RATIO * self.wall_m;
+        let bottom = cells_along(bottom_m, element_m);
+        let wall = cells_along(self.height_m - bottom_m, 0.85 * element_m).max(6);
+        CupPlan {
+            cup: *self,
+            disc: Disc::new(core.min(MOST_AROUND), wall_rings.min(MOST_AROUND)),
+            wall_rings,
+            z: Axis::new(&[0.0, bottom_m, self.height_m], &[bottom, wall]),
+            element_m,
+        }
+    }
+
+    /// Outer radius at height `z_m`: a straight foot that opens into a soft curve.
+    fn outer_radius_m(&self, z_m: f64) -> f64 {
+        let down = 1.0 - z_m / self.height_m;
+        self.radius_m * (1.0 - (1.0 - Self::FOOT_RATIO) * down * down)
+    }
+}
+
+/// Keeps a plan small enough to be made before its size is refused.
+const MOST_AROUND: u32 = 3000;
+
+impl CupPlan {
+    fn check_size(&self, check: Check) -> Result<(), ShapeError> {
+        let bottom = self.disc.cells_where(|_| true) * f64::from(self.z.break_at(1));
+        let wall =
+            self.disc.cells_where(|ring| ring > 0) * f64::from(self.z.cells() - self.z.break_at(1));
+        check_count(check.0, bottom + wall)
+    }
+
+    fn sweep(&self) -> Sweep {
+        Sweep::new(
+            &self.disc,
+            self.z.cells(),
+            |ring, level| (ring > 0 || self.z.interval_of(level) == 0).then_some(0),
+            |node, level| self.position_m(node, level),
+        )
+    }
+
+    fn position_m(&self, node: &DiscNode, level: u32) -> DVec3 {
+        let z_m = self.z.at(level);
+        let mut outer_m = self.cup.outer_radius_m(z_m);
+        let inner_m = outer_m - self.cup.wall_m;
+        if level == 0 {
+            // A bevel around the foot.
+            outer_m -= 0.4 * self.cup.wall_m;
+        }
+        let t = f64::from(node.ring) / f64::from(self.wall_rings);
+        let flat = node.unit.rotate(self.turn()) * (inner_m * (1.0 - t) + outer_m * t);
+        flat.extend(z_m)
+    }
+
+    /// Turns the disc so that the middle of the handle looks along +x.
+    fn turn(&self) -> glam::DVec2 {
+        let cell_angle = TAU / f64::from(self.disc.around());
+        let middle = f64::from(self.handle_width_cells()) / 2.0;
+        glam::DVec2::from_angle(3.0 * FRAC_PI_4 - middle * cell_angle)
+    }
+
+    fn handle_width_cells(&self) -> u32 {
+        cells_along(Cup::HANDLE_ANGLE, TAU / f64::from(self.disc.around()))
+    }
+
+    fn handle_thickness_cells(&self) -> u32 {
+        let width_m = Cup::HANDLE_ANGLE * self.cup.radius_m;
+        cells_along(0.8 * width_m, self.level_m())
+    }
+
+    fn level_m(&self) -> f64 {
+        (self.cup.height_m - self.z.at(self.z.break_at(1)))
+            / f64::from(self.z.cells() - self.z.break_at(1))
+    }
+
+    /// Lowest level of the handle's end nearest to `share` of the cup's height.
+    fn handle_level(&self, share: f64) -> u32 {
+        let thick = self.handle_thickness_cells();
+        let (lowest, highest) = (self.z.break_at(1), self.z.cells() - thick);
+        let middle_m = share * self.cup.height_m;
+        (lowest..=highest)
+            .min_by(|&a, &b| {
+                let off = |level: u32| {
+                    (f64::midpoint(self.z.at(level), self.z.at(level + thick)) - middle_m).abs()
+                };
+                off(a).total_cmp(&off(b))
+            })
+            .unwrap_or(lowest)
+    }
+
+    /// The outer wall's nodes where an end of the handle sits, `[across][inner to outer side of
+    /// the bow]`.
+    fn end_nodes(&self, sweep: &Sweep, share: f64, upper: bool) -> Vec<Vec<u32>> {
+        let (low, thick) = (self.handle_level(share), self.handle_thickness_cells());
+        (0..=self.handle_width_cells())
+            .map(|p| {
+                (0..=thick)
+                    .map(|q| {
+                        let level = low + if upper { q } else { thick - q };
+                        sweep.node_on(self.disc.outer_node(p), level)
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// A bow from the upper to the lower end: half an ellipse in the xz plane.
+    fn add_handle(&self, sweep: &mut Sweep) {
+        let [lower, upper] = Cup::HANDLE_ENDS;
+        let first = self.end_nodes(sweep, upper, true);
+        let last = self.end_nodes(sweep, lower, false);
+        let bow = Bow::between(&sweep.mesh, &first, &last);
+        let steps = cells_along(bow.length_m(), self.element_m).max(6);
+        let mut section = first;
+        for step in 1..=steps {
+            let next = if step == steps {
+                last.clone()
+            } else {
+                let angle = FRAC_PI_2 - std::f64::consts::PI * f64::from(step) / f64::from(steps);
+                bow.add_section(&mut sweep.mesh, angle, step, &section)
+            };
+            add_bridge(&mut sweep.mesh, &section, &next, 1);
+            section = next;
+        }
+    }
+}
+
+/// Fills the space between two grids of nodes, `[y][z]`, with hexahedra.
+fn add_bridge(
+    mesh: &mut super::hex_mesh::HexMesh,
+    from: &[Vec<u32>],
+    to: &[Vec<u32>],
+    region: u32,
+) {
+    for p in 0..from.len() - 1 {
+        for q in 0..from[p].len() - 1 {
+            let corners = std::array::from_fn(|c| {
+                let grid = if c & 1 == 0 { from } else { to };
+                grid[p + (c >> 1 & 1)][q + (c >> 2)]
+            });
+            mesh.add_hex(corners, region);
+        }
+    }
+}
+
+/// The bow of a cup's handle.
+struct Bow {
+    /// Middle of the ellipse in the xz plane, m.
+    centre_m: DVec3,
+    /// Half axes along x and z, m.
+    reach_m: f64,
+    rise_m: f64,
+    /// How much further out the upper end starts than the lower one, m, over the sine.
+    lean_m: f64,
+    /// Half of the section, m.
+    half_width_m: f64,
+    half_thickness_m: f64,
+}
+
+impl Bow {
+    fn between(mesh: &super::hex_mesh::HexMesh, upper: &[Vec<u32>], lower: &[Vec<u32>]) -> Self {
+        let [low, high] = [lower, upper].map(|grid| {
+            let nodes: Vec<DVec3> = grid.iter().flatten().map(|&n| mesh.position_m(n)).collect();
+            nodes.iter().sum::<DVec3>() / nodes.len() as f64
+        });
+        let corner = |grid: &[Vec<u32>], last: bool| {
+            let column = if last {
+                &grid[grid.len() - 1]
+            } else {
+                &grid[0]
+            };
+            mesh.position_m(column[if last { column.len() - 1 } else { 0 }])
+        };
+        let diagonal_m = corner(upper, true) - corner(upper, false);
+        Self {
+            centre_m: low.midpoint(high).with_y(0.0),
+            reach_m: Cup::HANDLE_REACH * (high.z - low.z),
+            rise_m: (high.z - low.z) / 2.0,
+            lean_m: (high.x - low.x) / 2.0,
+            half_width_m: 0.45 * diagonal_m.y.abs(),
+            half_thickness_m: 0.42 * diagonal_m.z.abs(),
+        }
+    }
+
+    fn length_m(&self) -> f64 {
+        std::f64::consts::PI * f64::midpoint(self.reach_m, self.rise_m)
+    }
+
+    /// Adds the nodes of the section at `angle` (pi/2 at the upper end, -pi/2 at the lower one).
+    fn add_section(
+        &self,
+        mesh: &mut super::hex_mesh::HexMesh,
+        angle: f64,
+        step: u32,
+        like: &[Vec<u32>],
+    ) -> Vec<Vec<u32>> {
+        let (sin, cos) = angle.sin_cos();
+        let middle_m = self.centre_m
+            + DVec3::new(
+                self.reach_m * cos + self.lean_m * sin,
+                0.0,
+                self.rise_m * sin,
+            );
+        let outward = DVec3::new(cos / self.reach_m, 0.0, sin / self.rise_m).normalize();
+        let (across, through) = (like.len() as u32 - 1, like[0].len() as u32 - 1);
+        (0..=across)
+            .map(|p| {
+                (0..=through)
+                    .map(|q| {
+                        let [u, v] = rounded_section(p, across, q, through);
+                        let at_m = middle_m
+                            + DVec3::Y * (u * self.half_width_m)
+                            + outward * (v * self.half_thickness_m);
+                        mesh.add_node(at_m, super::lattice::odd_count([p, q, step]))
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+}
+
+/// Section coordinates in [-1, 1]^2 of a grid node, with rounded corners where the grid is fine
+/// enough for them.
+fn rounded_section(p: u32, across: u32, q: u32, through: u32) -> [f64; 2] {
+    let [u, v] = [(p, across), (q, through)].map(|(i, n)| 2.0 * f64::from(i) / f64::from(n) - 1.0);
+    if across < 2 || through < 2 {
+        return [u, v];
+    }
+    let [x, y] = disc_from_square(u, v);
+    [f64::midpoint(u, x), f64::midpoint(v, y)]
+}
+
+/// A table lamp that stands on z = 0: a round foot, a thin stem and a shade open at the bottom;
+/// regions `"foot"`, `"stem"` and `"shade"`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lamp {
+    /// Height, m.
+    pub height_m: f64,
+    /// Radius of the foot, m.
+    pub foot_radius_m: f64,
+    /// Radius of the stem, m.
+    pub stem_radius_m: f64,
+    /// Radius of the shade at its lower rim, m.
+    pub shade_radius_m: f64,
+    /// Height of the shade, m.
+    pub shade_height_m: f64,
+}
+
+impl Default for Lamp {
+    fn default() -> Self {
+        Self {
+            height_m: 0.45,
+            foot_radius_m: 0.1,
+            stem_radius_m: 0.018,
+            shade_radius_m: 0.14,
+            shade_height_m: 0.18,
+        }
+    }
+}
+
+/// Layers and rings of a lamp: the core is the stem; the inner rings bridge the gap between stem
+/// and shade; the outer ones are the shade's wall. The foot fills all of them.
+struct LampPlan {
+    lamp: Lamp,
+    disc: Disc,
+    gap_rings: u32,
+    wall_rings: u32,
+    /// Breaks: floor, top of the foot, lower rim of the shade, lower face of its cap, top.
+    z: Axis,
+}
+
+impl Lamp {
+    /// Radius of the shade at the top over that at the rim.
+    const SHADE_TAPER: f64 = 0.6;
+    /// Thickness of the shade's wall and cap over its radius.
+    const WALL_RATIO: f64 = 0.09;
+    /// Thickness of the foot at the stem over its radius.
+    const FOOT_RATIO: f64 = 0.3;
+    /// Thickness of the foot at its rim over that at the stem.
+    const RIM_RATIO: f64 = 0.45;
+    /// How much longer than wide the stem's cells may be.
+    const STEM_STRETCH: f64 = 4.0;
+
+    /// Refinement 1 has four sides, refinement 4 sixteen.
+    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
+        let check = Check("lamp");
+        self.check(check)?;
+        let element_m =
+            check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
+        let plan = self.plan(element_m);
+        plan.check_size(check)?;
+        let sweep = Sweep::new(
+            &plan.disc,
+            plan.z.cells(),
+            |ring, level| plan.region_of(ring, level),
+            |node, level| plan.position_m(node, level),
+        );
+        Ok(sweep.mesh.split(meshing.split, &["foot", "stem", "shade"]))
+    }
+
+    fn check(&self, check: Check) -> Result<(), ShapeError> {
+        check.lengths(&[
+            ("height_m", self.height_m),
+            ("foot_radius_m", self.foot_radius_m),
+            ("stem_radius_m", self.stem_radius_m),
+            ("shade_radius_m", self.shade_radius_m),
+            ("shade_height_m", self.shade_height_m),
+        ])?;
+        let narrowest_m = (0.9 * self.foot_radius_m)
+            .min((Self::SHADE_TAPER - Self::WALL_RATIO) * 0.8 * self.shade_radius_m);
+        check.below(
+            "stem_radius_m",
+            self.stem_radius_m,
+            narrowest_m,
+            "what foot and shade leave room for",
+        )?;
+        check.below(
+            "shade_height_m",
+            self.shade_height_m,
+            self.height_m - Self::FOOT_RATIO * self.foot_radius_m,
+            "the height above the foot",
+        )?;
+        let cap_m = Self::WALL_RATIO * self.shade_radius_m;
+        if self.shade_height_m <= 1.5 * cap_m {
+            let expected = format!("more than {} m, or the shade has no inside", 1.5 * cap_m);
+            return Err(check.error("shade_height_m", self.shade_height_m, expected));
+        }
+        Ok(())
+    }
+
+    fn plan(&self, element_m: f64) -> LampPlan {
+        let side_m = TAU * self.shade_radius_m / 4.0;
+        let core = match cells_along(side_m, element_m) {
+            1 => 1,
+            _ => even_cells_along(side_m, element_m).min(MOST_AROUND),
+        };
+        let wall_m = Self::WALL_RATIO * self.shade_radius_m;
+        let gap_rings = cells_along(self.foot_radius_m - self.stem_radius_m - wall_m, element_m);
+        let wall_rings = cells_along(wall_m, element_m);
+        let foot_m = Self::FOOT_RATIO * self.foot_radius_m;
+        let breaks_m = [
+            0.0,
+            foot_m,
+            self.height_m - self.shade_height_m,
+            self.height_m - wall_m,
+            self.height_m,
+        ];
+        let stem_cell_m = TAU * self.stem_radius_m / f64::from(4 * core);
+        let stem_element_m = element_m.min(Self::STEM_STRETCH * stem_cell_m);
+        LampPlan {
+            lamp: *self,
+            disc: Disc::new(core, (gap_rings + wall_rings).min(MOST_AROUND)),
+            gap_rings,
+            wall_rings,
+            z: Axis::new(
+                &breaks_m,
+                &[
+                    cells_along(foot_m, element_m),
+                    cells_along(breaks_m[2] - foot_m, stem_element_m),
+                    cells_along(breaks_m[3] - breaks_m[2], stem_element_m),
+                    cells_along(wall_m, element_m),
+                ],
+            ),
+        }
+    }
+}
+
+impl LampPlan {
+    fn check_size(&self, check: Check) -> Result<(), ShapeError> {
+        let hexes = self.disc.cells_where(|_| true) * f64::from(self.z.cells());
+        // The foot, the cap and the wall are a small share of the whole cylinder.
+        check_count(check.0, hexes / 4.0)
+    }
+
+    fn region_of(&self, ring: u32, level: u32) -> Option<u32> {
+        match self.z.interval_of(level) {
+            0 => Some(0),
+            _ if ring == 0 => Some(1),
+            1 => None,
+            2 => (ring > self.gap_rings).then_some(2),
+            _ => Some(2),
+        }
+    }
+
+    fn position_m(&self, node: &DiscNode, level: u32) -> DVec3 {
+        let z_m = self.z.at(level);
+        let radius_m = self.circle_radius_m(node.ring, z_m);
+        let height_m = if level <= self.z.break_at(1) {
+            z_m * self.foot_slope(radius_m)
+        } else {
+            z_m
+        };
+        (node.unit * radius_m).extend(height_m)
+    }
+
+    /// The foot gets thinner towards its rim.
+    fn foot_slope(&self, radius_m: f64) -> f64 {
+        let lamp = &self.lamp;
+        let outward = (radius_m - lamp.stem_radius_m) / (lamp.foot_radius_m - lamp.stem_radius_m);
+        1.0 - (1.0 - Lamp::RIM_RATIO) * outward
+    }
+
+    fn circle_radius_m(&self, ring: u32, z_m: f64) -> f64 {
+        let lamp = &self.lamp;
+        let (gap, wall) = (f64::from(self.gap_rings), f64::from(self.wall_rings));
+        let ring = f64::from(ring);
+        if z_m <= self.z.at(self.z.break_at(1)) {
+            let t = ring / (gap + wall);
+            return lamp.stem_radius_m * (1.0 - t) + lamp.foot_radius_m * t;
+        }
+        let up = (z_m - (lamp.height_m - lamp.shade_height_m)) / lamp.shade_height_m;
+        let outer_m = lamp.shade_radius_m * (1.0 - (1.0 - Lamp::SHADE_TAPER) * up);
+        let inner_m = outer_m - Lamp::WALL_RATIO * lamp.shade_radius_m;
+        if ring <= gap {
+            let t = ring / gap;
+            lamp.stem_radius_m * (1.0 - t) + inner_m * t
+        } else {
+            let t = (ring - gap) / wall;
+            inner_m * (1.0 - t) + outer_m * t
+        }
+    }
+}

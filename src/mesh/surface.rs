@@ -1,0 +1,434 @@
+//! What touches what in a tetrahedral mesh: boundary triangles and edges, elements at a node,
+//! connected pieces.
+//!
+//! Everything is built by sorting, so the result depends on the numbering of the mesh alone.
+
+use super::TetMesh;
+use rayon::slice::ParallelSliceMut as _;
+
+/// Corners of the four faces of a right-handed tetrahedron, each counter-clockwise from outside;
+/// face `f` lies opposite corner `f`.
+pub const TET_FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+/// The boundary of a tetrahedral mesh.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Surface {
+    /// Boundary triangles, mesh node indices, counter-clockwise from outside, in the order of the
+    /// tetrahedra behind them.
+    pub triangles: Vec<[u32; 3]>,
+    /// Tetrahedron behind each triangle.
+    pub triangle_tet: Vec<u32>,
+    /// Nodes on the boundary, ascending.
+    pub nodes: Vec<u32>,
+    /// Edges of the triangles, by their nodes; an edge where four triangles meet appears twice.
+    pub edges: Vec<SurfaceEdge>,
+    /// Number of edges of an odd number of triangles; zero when the boundary is closed.
+    pub open_edges: usize,
+    /// Number of edges where more than two triangles meet.
+    pub non_manifold_edges: usize,
+    /// Number of faces shared by more than two tetrahedra; zero in a sound mesh.
+    pub overused_faces: usize,
+}
+
+/// An edge of the boundary and the two triangles that meet there with solid between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurfaceEdge {
+    /// End nodes, smaller index first.
+    pub nodes: [u32; 2],
+    /// The two triangles, indices into [`Surface::triangles`], smaller first; the same twice
+    /// where an open surface has but one.
+    pub triangles: [u32; 2],
+}
+
+/// A face of a tetrahedron: sorted node indices and `4 * tet + face` packed into one number that
+/// sorts equal faces together, in a fixed order.
+type FaceKey = u128;
+
+fn face_key(mut nodes: [u32; 3], tet_face: u32) -> FaceKey {
+    nodes.sort_unstable();
+    let [a, b, c] = nodes.map(u128::from);
+    a << 96 | b << 64 | c << 32 | u128::from(tet_face)
+}
+
+/// Index of the tetrahedron of a packed face, and which of its faces it is.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the low 32 bits are the packed index"
+)]
+fn tet_and_face(key: FaceKey) -> (u32, usize) {
+    let tet_face = key as u32;
+    (tet_face / 4, (tet_face % 4) as usize)
+}
+
+fn same_face(a: FaceKey, b: FaceKey) -> bool {
+    a >> 32 == b >> 32
+}
+
+/// All faces of all tetrahedra, sorted so that shared faces stand side by side.
+fn sorted_faces(tets: &[[u32; 4]]) -> Vec<FaceKey> {
+    let mut faces: Vec<FaceKey> = (0_u32..)
+        .zip(tets)
+        .flat_map(|(t, tet)| {
+            (0_u32..)
+                .zip(TET_FACES)
+                .map(move |(f, corners)| face_key(corners.map(|corner| tet[corner]), 4 * t + f))
+        })
+        .collect();
+    faces.par_sort_unstable();
+    faces
+}
+
+impl Surface {
+    /// Finds the boundary: the faces that belong to one tetrahedron only.
+    #[must_use]
+    pub fn of(tets: &[[u32; 4]]) -> Self {
+        let faces = sorted_faces(tets);
+        let mut boundary: Vec<FaceKey> = Vec::new();
+        let mut overused_faces = 0;
+        for group in faces.chunk_by(|&a, &b| same_face(a, b)) {
+            match group {
+                [only] => boundary.push(*only),
+                [_, _] => {}
+                _ => overused_faces += 1,
+            }
+        }
+        boundary.sort_unstable_by_key(|&key| tet_and_face(key));
+        let (triangles, triangle_tet): (Vec<_>, Vec<_>) = boundary
+            .iter()
+            .map(|&key| {
+                let (tet, face) = tet_and_face(key);
+                let corners = tets[tet as usize];
+                (TET_FACES[face].map(|corner| corners[corner]), tet)
+            })
+            .unzip();
+        let mut surface = Self {
+            nodes: used_nodes(&triangles),
+            triangles,
+            triangle_tet,
+            overused_faces,
+            ..Self::default()
+        };
+        surface.find_edges(tets, &faces);
+        surface
+    }
+
+    /// Whether every edge belongs to an even number of triangles.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.open_edges == 0
+    }
+
+    fn find_edges(&mut self, tets: &[[u32; 4]], faces: &[FaceKey]) {
+        let mut sides: Vec<([u32; 2], u32)> = (0_u32..)
+            .zip(&self.triangles)
+            .flat_map(|(t, &[a, b, c])| {
+                [[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], t))
+            })
+            .collect();
+        sides.par_sort_unstable();
+        for group in sides.chunk_by(|a, b| a.0 == b.0) {
+            let nodes = group[0].0;
+            self.open_edges += group.len() % 2;
+            self.non_manifold_edges += usize::from(group.len() > 2);
+            match *group {
+                [(_, first)] => self.push_edge(nodes, [first, first]),
+                [(_, first), (_, second)] => self.push_edge(nodes, [first, second]),
+                _ => self.pair_through_solid(group, &FaceLookup { tets, faces }),
+            }
+        }
+    }
+
+    fn push_edge(&mut self, nodes: [u32; 2], triangles: [u32; 2]) {
+        self.edges.push(SurfaceEdge { nodes, triangles });
+    }
+
+    /// Pairs the triangles of an edge with more than two of them: those at the two ends of one fan
+    /// of tetrahedra around the edge belong together.
+    fn pair_through_solid(&mut self, group: &[([u32; 2], u32)], lookup: &FaceLookup<'_>) {
+        let nodes = group[0].0;
+        for &(_, triangle) in group {
+            let corners = self.triangles[triangle as usize];
+            let tet = self.triangle_tet[triangle as usize];
+            let end = lookup.other_end_of_fan(nodes, corners, tet);
+            let partner = group.iter().map(|side| side.1).find(|&other| {
+                end.is_some_and(|end| same_nodes(self.triangles[other as usize], end))
+            });
+            match partner {
+                Some(other) if other > triangle => self.push_edge(nodes, [triangle, other]),
+                Some(other) if other < triangle => {}
+                _ => self.push_edge(nodes, [triangle, triangle]),
+            }
+        }
+    }
+}
+
+/// Finds the tetrahedra on the two sides of a face.
+struct FaceLookup<'a> {
+    tets: &'a [[u32; 4]],
+    faces: &'a [FaceKey],
+}
+
+impl FaceLookup<'_> {
+    /// Walks from boundary triangle `triangle` of `tet` around `edge` through the solid; returns
+    /// the boundary triangle where the walk ends, or `None` in an unsound mesh.
+    fn other_end_of_fan(
+        &self,
+        edge: [u32; 2],
+        triangle: [u32; 3],
+        mut tet: u32,
+    ) -> Option<[u32; 3]> {
+        let mut apex = triangle.into_iter().find(|n| !edge.contains(n))?;
+        for _ in 0..self.tets.len() {
+            let corners = self.tets[tet as usize];
+            apex = corners
+                .into_iter()
+                .find(|n| !edge.contains(n) && *n != apex)?;
+            let face = [edge[0], edge[1], apex];
+            match self.neighbour(face, tet) {
+                Some(next) => tet = next,
+                None => return Some(face),
+            }
+        }
+        None
+    }
+
+    /// The tetrahedron on the other side of `face` of `tet`.
+    fn neighbour(&self, face: [u32; 3], tet: u32) -> Option<u32> {
+        let key = face_key(face, 0);
+        let first = self.faces.partition_point(|&other| other < key);
+        self.faces[first..]
+            .iter()
+            .take_while(|&&other| same_face(other, key))
+            .map(|&other| tet_and_face(other).0)
+            .find(|&other| other != tet)
+    }
+}
+
+fn same_nodes(mut a: [u32; 3], mut b: [u32; 3]) -> bool {
+    a.sort_unstable();
+    b.sort_unstable();
+    a == b
+}
+
+fn used_nodes(triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut nodes = triangles.as_flattened().to_vec();
+    nodes.par_sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// The tetrahedra at every node, in compressed rows.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NodeTets {
+    /// Where the row of each node begins in `tets`; one entry more than there are nodes.
+    pub offsets: Vec<u32>,
+    /// Tetrahedra of all nodes, ascending within a row.
+    pub tets: Vec<u32>,
+}
+
+impl NodeTets {
+    /// Lists the tetrahedra at each of `node_count` nodes.
+    #[must_use]
+    pub fn of(tets: &[[u32; 4]], node_count: usize) -> Self {
+        let mut offsets = vec![0_u32; node_count + 1];
+        for &node in tets.as_flattened() {
+            offsets[node as usize + 1] += 1;
+        }
+        for node in 0..node_count {
+            offsets[node + 1] += offsets[node];
+        }
+        let mut next = offsets.clone();
+        let mut rows = vec![0_u32; 4 * tets.len()];
+        for (t, tet) in (0_u32..).zip(tets) {
+            for &node in tet {
+                let slot = &mut next[node as usize];
+                rows[*slot as usize] = t;
+                *slot += 1;
+            }
+        }
+        Self {
+            offsets,
+            tets: rows,
+        }
+    }
+
+    /// The tetrahedra at `node`, ascending.
+    #[must_use]
+    pub fn at(&self, node: u32) -> &[u32] {
+        let node = node as usize;
+        &self.tets[self.offsets[node] as usize..self.offsets[node + 1] as usize]
+    }
+}
+
+/// The pieces a mesh falls into.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Pieces {
+    /// Number of pieces.
+    pub count: usize,
+    /// Piece of each tetrahedron, numbered by their first tetrahedra.
+    pub of_tet: Vec<u32>,
+}
+
+impl Pieces {
+    /// Pieces whose tetrahedra hang together by whole faces.
+    #[must_use]
+    pub fn by_faces(tets: &[[u32; 4]]) -> Self {
+        let mut sets = DisjointSets::new(tets.len());
+        for pair in sorted_faces(tets).windows(2) {
+            if same_face(pair[0], pair[1]) {
+                sets.join(tet_and_face(pair[0]).0, tet_and_face(pair[1]).0);
+            }
+        }
+        Self::numbered(&mut sets, tets.len(), |tet| tet)
+    }
+
+    /// Pieces whose tetrahedra hang together by nodes, even by a single one.
+    #[must_use]
+    pub fn by_nodes(mesh: &TetMesh) -> Self {
+        let mut sets = DisjointSets::new(mesh.nodes_m.len());
+        for &[a, b, c, d] in &mesh.tets {
+            sets.join(a, b);
+            sets.join(a, c);
+            sets.join(a, d);
+        }
+        Self::numbered(&mut sets, mesh.tets.len(), |tet| mesh.tets[tet as usize][0])
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "meshes hold fewer than 2^32 tetrahedra"
+    )]
+    fn numbered(sets: &mut DisjointSets, tet_count: usize, member_of: impl Fn(u32) -> u32) -> Self {
+        let mut piece_of_root = vec![u32::MAX; sets.parent.len()];
+        let mut count = 0;
+        let of_tet = (0..tet_count as u32)
+            .map(|tet| {
+                let piece = &mut piece_of_root[sets.root(member_of(tet)) as usize];
+                if *piece == u32::MAX {
+                    *piece = count;
+                    count += 1;
+                }
+                *piece
+            })
+            .collect();
+        Self {
+            count: count as usize,
+            of_tet,
+        }
+    }
+}
+
+/// Union-find whose root is always the smallest member.
+struct DisjointSets {
+    parent: Vec<u32>,
+}
+
+impl DisjointSets {
+    fn new(count: usize) -> Self {
+        Self {
+            parent: (0_u32..).take(count).collect(),
+        }
+    }
+
+    fn root(&mut self, mut member: u32) -> u32 {
+        while self.parent[member as usize] != member {
+            let grandparent = self.parent[self.parent[member as usize] as usize];
+            self.parent[member as usize] = grandparent;
+            member = grandparent;
+        }
+        member
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    const UNIT: [DVec3; 4] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+
+    /// Six tetrahedra around the edge 0-1; nodes 2..=7 form a ring about it.
+    fn fan(segments: &[u32]) -> Vec<[u32; 4]> {
+        segments
+            .iter()
+            .map(|&s| [0, 1, 2 + s, 2 + (s + 1) % 6])
+            .collect()
+    }
+
+    #[test]
+    fn faces_of_a_tetrahedron_look_outward() {
+        let surface = Surface::of(&[[0, 1, 2, 3]]);
+        assert_eq!(surface.triangles.len(), 4);
+        let centre = UNIT.iter().sum::<DVec3>() / 4.0;
+        for &[a, b, c] in &surface.triangles {
+            let [a, b, c] = [a, b, c].map(|n| UNIT[n as usize]);
+            assert!((b - a).cross(c - a).dot(a - centre) > 0.0);
+        }
+        assert_eq!(surface.edges.len(), 6);
+        assert!(surface.is_closed());
+    }
+
+    #[test]
+    fn face_f_lies_opposite_corner_f() {
+        for (f, face) in TET_FACES.iter().enumerate() {
+            assert!(!face.contains(&f));
+        }
+    }
+
+    #[test]
+    fn a_shared_face_is_inside() {
+        let surface = Surface::of(&[[0, 1, 2, 3], [1, 2, 3, 4]]);
+        assert_eq!(surface.triangles.len(), 6);
+        assert_eq!(surface.triangle_tet, [0, 0, 0, 1, 1, 1]);
+        assert_eq!(surface.edges.len(), 9);
+        assert_eq!(surface.nodes, [0, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn a_pinched_edge_pairs_the_triangles_of_each_wedge() {
+        let tets = fan(&[0, 1, 3, 4]);
+        let surface = Surface::of(&tets);
+        assert_eq!(surface.non_manifold_edges, 1);
+        assert!(surface.is_closed());
+        let axis: Vec<_> = surface
+            .edges
+            .iter()
+            .filter(|e| e.nodes == [0, 1])
+            .map(|e| e.triangles.map(|t| surface.triangle_tet[t as usize]))
+            .collect();
+        assert_eq!(
+            axis,
+            [[0, 1], [2, 3]],
+            "pairs bound one wedge of solid each"
+        );
+    }
+
+    #[test]
+    fn a_face_of_three_tetrahedra_is_counted() {
+        let surface = Surface::of(&[[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]]);
+        assert_eq!(surface.overused_faces, 1);
+    }
+
+    #[test]
+    fn pieces_by_faces_and_by_nodes_differ_where_only_an_edge_is_shared() {
+        let tets = fan(&[3, 0, 4]);
+        let faces = Pieces::by_faces(&tets);
+        assert_eq!((faces.count, faces.of_tet), (2, vec![0, 1, 0]));
+        let mesh = TetMesh::with_one_region(vec![DVec3::ZERO; 8], tets);
+        assert_eq!(Pieces::by_nodes(&mesh).count, 1);
+    }
+
+    #[test]
+    fn node_rows_list_every_tetrahedron_once() {
+        let tets = fan(&[0, 1, 2]);
+        let rows = NodeTets::of(&tets, 8);
+        assert_eq!(rows.at(0), [0, 1, 2]);
+        assert_eq!(rows.at(3), [0, 1]);
+        assert_eq!(rows.at(7), [0_u32; 0]);
+    }
+}
