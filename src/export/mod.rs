@@ -1,1 +1,4 @@
-//! export
+//! Pictures and data as files.
+
+pub mod gif;
+pub mod png;
