@@ -4,6 +4,8 @@
 //! everything else goes to a temporary file first and takes its name when it is whole.
 
 pub mod csv;
+pub mod gif;
+pub mod png;
 pub mod summary;
 pub mod vtu;
 
