@@ -120,9 +120,6 @@ impl Frame {
 fn bounds_of<'a>(bodies: impl Iterator<Item = &'a BodyFrame>) -> Option<([f32; 3], [f32; 3])> {
     bodies.flat_map(|b| &b.positions_m).fold(None, |bounds, p| {
         let (low, high) = bounds.unwrap_or((*p, *p));
-        Some((
-            std::array::from_fn(|i| low[i].min(p[i])),
-            std::array::from_fn(|i| high[i].max(p[i])),
-        ))
+        Some((std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))))
     })
 }

@@ -1,1 +1,9 @@
-//! math
+//! What glam has not: symmetric 3x3 eigenvalues, rotations, mass properties.
+
+mod mass_properties;
+mod rotation;
+mod symmetric_eigen;
+
+pub use mass_properties::{MassProperties, inertia_of_point_kg_m2, solve_inertia};
+pub use rotation::{best_fit_rotation, rotation_from_vector, skew};
+pub use symmetric_eigen::{SymmetricEigen, symmetric_eigen, symmetric_eigenvalues};

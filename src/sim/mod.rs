@@ -1,12 +1,28 @@
 //! The world and its two-interval step.
 //!
-//! [`WorldSetup`] (plain data, what a scene builds) goes into [`World::new`]; [`World::step`]
-//! advances; [`World::sample`] gives the balances; [`World::publish`] writes a frame.
+//! [`WorldSetup`] (plain data, what a scene builds) goes into [`World::new`]; [`World::step`] advances;
+//! [`World::sample`] gives the balances; [`World::publish`] writes a frame.
+//!
+//! The stages of a step are the files: `step` is the recipe, `touch` finds the exact first touch of bodies in
+//! free travel (`rigid`), `broad` keeps track of what is near, `collide` responds, `elastic` integrates a
+//! deforming `body`, `rest` lets it travel freely or sleep again.
 
+mod body;
+mod broad;
+mod collide;
+mod contact_log;
+mod elastic;
+mod publish;
 mod report;
+mod rest;
+mod rigid;
 mod setup;
+mod step;
+mod touch;
 mod world;
 
+pub use body::MassScaling;
+pub use contact_log::ContactEpisode;
 pub use report::{PhaseTimes, Sample, Stage, StepReport};
 pub use setup::*;
 pub use world::{ElementStress, SimError, World};

@@ -161,11 +161,7 @@ pub struct ContactParameters {
 impl Default for ContactParameters {
     fn default() -> Self {
         Self {
-            method: ContactMethod::Lagrange {
-                passes: 3,
-                tolerance: 1e-4,
-                conserve_impact_energy: true,
-            },
+            method: ContactMethod::Lagrange { passes: 3, tolerance: 1e-4, conserve_impact_energy: true },
             friction_coefficient: 0.3,
             pair_friction: Vec::new(),
             self_collision: true,

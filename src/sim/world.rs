@@ -1,7 +1,16 @@
 //! The world: all bodies and their common time.
 
-use super::{PhaseTimes, Sample, StepReport, WorldSetup};
-use crate::frame::Frame;
+use super::body::{Body, MassScaling, Regime};
+use super::broad::BroadPhase;
+use super::contact_log::{ContactEpisode, ContactLog};
+use super::elastic::StepContext;
+use super::publish::{FrameParts, element_stress};
+use super::rest::RestTracker;
+use super::touch::Touch;
+use super::{ContactMethod, PhaseTimes, Sample, StepReport, WorldSetup};
+use crate::contact::CollisionList;
+use crate::frame::ContactMark;
+use crate::mesh::Pieces;
 use glam::{DMat3, DVec3};
 
 /// Why a world could not be built or a step could not be taken.
@@ -12,21 +21,31 @@ pub enum SimError {
     Setup(String),
     /// A number stopped being finite.
     #[error(
-        "body `{body}`: {what} at {place} is not finite in step {step} at t = {time_s:.6e} s; \
-         the run has blown up (try a smaller time.cfl, or check the material's numbers)"
+        "body `{body}`: {what} of {place} is not finite in step {step} at t = {time_s:.6e} s; the run has blown \
+         up (try a smaller time.cfl, or check the material's numbers)"
     )]
     NotFinite {
         /// Body.
         body: String,
         /// Quantity.
         what: &'static str,
-        /// `element 12` or `node 7`.
+        /// `element 12` or `element 12 (node 7)`.
         place: String,
         /// Step number.
         step: u64,
         /// Time, s.
         time_s: f64,
     },
+}
+
+impl SimError {
+    /// The same error with its step number.
+    pub(super) fn in_step(mut self, number: u64) -> Self {
+        if let Self::NotFinite { step, .. } = &mut self {
+            *step = number;
+        }
+        self
+    }
 }
 
 /// Stress of one element.
@@ -38,23 +57,85 @@ pub struct ElementStress {
     pub principal_pa: DVec3,
 }
 
+/// The first touch of free bodies, looked up in advance.
+#[derive(Default)]
+pub(super) struct FreePlan {
+    /// Regimes for which the plan was made.
+    pub regimes: Vec<u8>,
+    pub until_s: f64,
+    pub touch: Option<Touch>,
+}
+
+impl Regime {
+    /// A number per regime, to notice changes.
+    pub(super) fn number(&self) -> u8 {
+        match self {
+            Self::Fixed => 0,
+            Self::Kinematic => 1,
+            Self::Free(_) => 2,
+            Self::Elastic => 3,
+            Self::Asleep => 4,
+        }
+    }
+}
+
 /// All bodies and their common time.
 pub struct World {
-    setup: WorldSetup,
-    time_s: f64,
-    steps: u64,
+    pub(super) setup: WorldSetup,
+    pub(super) bodies: Vec<Body>,
+    pub(super) rest: Vec<RestTracker>,
+    pub(super) frame_parts: Vec<FrameParts>,
+    pub(super) broad: BroadPhase,
+    pub(super) list: CollisionList,
+    pub(super) plan: FreePlan,
+    pub(super) time_s: f64,
+    pub(super) steps: u64,
+    pub(super) last: StepReport,
+    pub(super) log: ContactLog,
+    pub(super) marks: Vec<ContactMark>,
+    pub(super) phases: PhaseTimes,
+    pub(super) fragments: usize,
+    pub(super) contact_dissipated_j: f64,
+    pub(super) contact_work_j: f64,
+    /// Energy in penalty springs, J.
+    pub(super) spring_j: f64,
+    pub(super) largest_penetration_ratio: f64,
 }
 
 impl World {
     /// Builds the world from plain data.
     ///
     /// # Errors
-    /// [`SimError::Setup`] when a body, material or parameter is unsound or bodies overlap.
+    /// [`SimError::Setup`] when a body, material or parameter is unsound.
     pub fn new(setup: WorldSetup) -> Result<Self, SimError> {
+        check(&setup)?;
+        let mut bodies = setup.bodies.iter().map(Body::new).collect::<Result<Vec<_>, _>>()?;
+        for body in &mut bodies {
+            start(body, &setup)?;
+        }
+        let frame_parts =
+            bodies.iter().zip(&setup.bodies).map(|(b, s)| FrameParts::new(b, s)).collect();
+        let deformable = bodies.iter().filter(|b| b.is_deformable());
+        let fragments = deformable.map(|b| Pieces::by_faces(&b.tets).count).sum();
         Ok(Self {
+            broad: BroadPhase::new(bodies.len(), setup.contact.self_collision),
+            rest: vec![RestTracker::default(); bodies.len()],
+            frame_parts,
+            fragments,
             setup,
+            bodies,
+            list: CollisionList::default(),
+            plan: FreePlan::default(),
             time_s: 0.0,
             steps: 0,
+            last: StepReport::default(),
+            log: ContactLog::default(),
+            marks: Vec::new(),
+            phases: PhaseTimes::default(),
+            contact_dissipated_j: 0.0,
+            contact_work_j: 0.0,
+            spring_j: 0.0,
+            largest_penetration_ratio: 0.0,
         })
     }
 
@@ -64,37 +145,51 @@ impl World {
         self.time_s
     }
 
-    /// Advances by one step, not beyond `limit_s` (absolute time).
-    ///
-    /// # Errors
-    /// [`SimError::NotFinite`] when the run blows up; the state before the step stays readable.
-    pub fn step(&mut self, limit_s: f64) -> Result<StepReport, SimError> {
-        let step_s = (limit_s - self.time_s).min(1e-3);
-        self.time_s += step_s;
-        self.steps += 1;
-        Ok(StepReport {
-            time_s: self.time_s,
-            step_s,
-            ..StepReport::default()
-        })
+    /// Steps taken.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
     }
 
     /// The balances now.
     #[must_use]
     pub fn sample(&self) -> Sample {
-        Sample::default()
-    }
-
-    /// What a renderer needs of this moment.
-    #[must_use]
-    pub fn publish(&self) -> Frame {
-        Frame::default()
+        let sum = |f: fn(&Body) -> f64| self.bodies.iter().map(f).sum::<f64>();
+        let moved: DVec3 = self.bodies.iter().map(Body::mass_displacement).sum();
+        let deformable = || self.bodies.iter().filter(|b| b.is_deformable());
+        Sample {
+            step: self.last,
+            kinetic_j: sum(Body::kinetic_j),
+            strain_j: sum(Body::strain_j) + self.spring_j,
+            potential_j: -self.setup.gravity_m_s2.dot(moved),
+            dissipated_j: sum(|b| b.ledger.damped_j + b.ledger.dropped_j) + self.contact_dissipated_j
+                - self.spring_j,
+            external_work_j: sum(|b| b.ledger.external_j) + self.contact_work_j,
+            linear_momentum_kg_m_s: self.bodies.iter().map(Body::linear_momentum).sum(),
+            angular_momentum_kg_m2_s: self.bodies.iter().map(Body::angular_momentum).sum(),
+            elements: deformable().map(|b| b.tets.len()).sum(),
+            nodes: deformable().map(|b| b.reference_m.len()).sum(),
+            fragments: self.fragments,
+            crack_area_m2: 0.0,
+        }
     }
 
     /// Wall time by phase.
     #[must_use]
     pub fn phase_times(&self) -> PhaseTimes {
-        PhaseTimes::default()
+        self.phases
+    }
+
+    /// Contacts so far, in the order of their first touch.
+    #[must_use]
+    pub fn contact_episodes(&self) -> &[ContactEpisode] {
+        &self.log.episodes
+    }
+
+    /// Deepest penetration so far over the local element size.
+    #[must_use]
+    pub fn largest_penetration_ratio(&self) -> f64 {
+        self.largest_penetration_ratio
     }
 
     /// The setup the world was built from.
@@ -102,39 +197,131 @@ impl World {
     pub fn setup(&self) -> &WorldSetup {
         &self.setup
     }
+
     /// Number of bodies.
     #[must_use]
     pub fn body_count(&self) -> usize {
-        self.setup.bodies.len()
+        self.bodies.len()
     }
+
     /// Reference positions of a body's nodes, m.
     #[must_use]
     pub fn reference_positions_m(&self, body: usize) -> &[DVec3] {
-        &self.setup.bodies[body].mesh.nodes_m
+        &self.bodies[body].reference_m
     }
-    /// Current positions of a body's nodes, m.
+
+    /// Positions of a body's nodes, m; for bodies in free travel as of the last time a step reached its
+    /// limit.
     #[must_use]
     pub fn positions_m(&self, body: usize) -> &[DVec3] {
-        &self.setup.bodies[body].mesh.nodes_m
+        &self.bodies[body].position_m
     }
-    /// Velocities of a body's nodes, m/s.
+
+    /// Velocities of a body's nodes, m/s; see [`Self::positions_m`].
     #[must_use]
-    pub fn velocities_m_s(&self, body: usize) -> Vec<DVec3> {
-        vec![DVec3::ZERO; self.setup.bodies[body].mesh.nodes_m.len()]
+    pub fn velocities_m_s(&self, body: usize) -> &[DVec3] {
+        &self.bodies[body].velocity_m_s
     }
+
     /// Tetrahedra of a body.
     #[must_use]
     pub fn tets(&self, body: usize) -> &[[u32; 4]] {
-        &self.setup.bodies[body].mesh.tets
+        &self.bodies[body].tets
     }
-    /// Stress of every element of a body.
+
+    /// Stress of every element of a body; zero for bodies in free travel, fixed and kinematic ones.
     #[must_use]
     pub fn element_stresses(&self, body: usize) -> Vec<ElementStress> {
-        vec![ElementStress::default(); self.setup.bodies[body].mesh.tets.len()]
+        let body = &self.bodies[body];
+        match (&body.elasticity, body.regime) {
+            (Some(e), Regime::Elastic | Regime::Asleep) => {
+                let cauchy = e.elements.cauchy_stresses_pa(&body.position_m, body.element_kinematics());
+                cauchy.into_iter().map(element_stress).collect()
+            }
+            _ => vec![ElementStress::default(); body.tets.len()],
+        }
     }
+
     /// Stable elastic step of a body, s (infinite for fixed and kinematic bodies).
     #[must_use]
-    pub fn stable_step_s(&self, _body: usize) -> f64 {
-        f64::INFINITY
+    pub fn stable_step_s(&self, body: usize) -> f64 {
+        self.bodies[body].stable_step_s()
+    }
+
+    /// Mass of a body, with what mass scaling added, kg.
+    #[must_use]
+    pub fn mass_kg(&self, body: usize) -> f64 {
+        self.bodies[body].reference.mass_kg
+    }
+
+    /// Linear momentum of a body, kg m/s.
+    #[must_use]
+    pub fn body_momentum_kg_m_s(&self, body: usize) -> DVec3 {
+        self.bodies[body].linear_momentum()
+    }
+
+    /// Best-fit rotation and centre of mass of a body now.
+    #[must_use]
+    pub fn body_pose(&self, body: usize) -> (glam::DQuat, DVec3) {
+        let rigid = self.bodies[body].rigid_part();
+        (rigid.orientation, rigid.centre_m)
+    }
+
+    /// What mass scaling did to a body.
+    #[must_use]
+    pub fn mass_scaling(&self, body: usize) -> MassScaling {
+        self.bodies[body].elasticity.as_ref().map(|e| e.mass_scaling).unwrap_or_default()
+    }
+
+    /// Angle by which the frame of a `body-frame` body, advanced by its dynamics, missed the best fit,
+    /// summed over the steps, rad.
+    #[must_use]
+    pub fn frame_drift_rad(&self, body: usize) -> f64 {
+        self.bodies[body].elasticity.as_ref().map_or(0.0, |e| e.frame_drift_rad)
+    }
+}
+
+/// Brings a body into its first regime.
+fn start(body: &mut Body, setup: &WorldSetup) -> Result<(), SimError> {
+    if !body.is_deformable() {
+        return Ok(());
+    }
+    if setup.time.free_travel && body.can_travel_freely() {
+        body.regime = Regime::Free(body.rigid_part());
+        return Ok(());
+    }
+    let context = StepContext { time_s: 0.0, step_s: 0.0, gravity_m_s2: setup.gravity_m_s2 };
+    body.update_acceleration(&context)
+}
+
+fn check(setup: &WorldSetup) -> Result<(), SimError> {
+    let fail = |text: &str| Err(SimError::Setup(text.to_owned()));
+    let time = &setup.time;
+    if setup.bodies.is_empty() {
+        return fail("the world has no bodies");
+    }
+    if !(time.cfl > 0.0 && time.cfl <= 1.0) {
+        return fail("time.cfl must lie in (0, 1]");
+    }
+    if !(time.free_interval_s > 0.0 && time.free_interval_s.is_finite()) {
+        return fail("the free-travel interval must be a positive time");
+    }
+    if time.max_step_s.is_nan() || time.max_step_s <= 0.0 {
+        return fail("the largest step must be a positive time");
+    }
+    if !setup.gravity_m_s2.is_finite() {
+        return fail("gravity must be finite");
+    }
+    let friction = setup.contact.pair_friction.iter().map(|p| p.friction_coefficient);
+    let mut all_friction = friction.chain([setup.contact.friction_coefficient]);
+    if all_friction.any(|mu| !(mu >= 0.0 && mu.is_finite())) {
+        return fail("friction coefficients must be zero or above");
+    }
+    match setup.contact.method {
+        ContactMethod::Lagrange { passes: 0, .. } => fail("contact needs at least one pass"),
+        ContactMethod::Penalty { stiffness_n_m } if !(stiffness_n_m > 0.0 && stiffness_n_m.is_finite()) => {
+            fail("the penalty stiffness must be positive")
+        }
+        _ => Ok(()),
     }
 }

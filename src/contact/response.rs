@@ -1,0 +1,425 @@
+//! Contact response: multipliers by Gauss-Seidel over the pairs, Coulomb's law, balances.
+//!
+//! The forward Lagrange multiplier method (Carpenter, Taylor, Katona, IJNME 32, 1991) enforces the
+//! displacement constraint of step n+1 by multipliers of step n. Every pair has its own small block
+//! `h^2 G Mhat^-1 G^T`, here written with impulses `h lambda` and velocities: with lumped masses the block is
+//! `sum_i w_i^2 / m_i`, and a pair is solved without assembling anything. Passes go forth and back
+//! over the pairs in an order taken from their places, not from their numbers.
+//!
+//! Impact energy: a plain constraint stops the contact nodes dead and loses their kinetic energy. Where two
+//! features close faster than the rest speed, the relative normal velocity is reversed instead, which
+//! keeps the energy of the impact (Cirak, West, IJNME 64, 2005). Below it nothing bounces.
+
+use super::constraint::Constraint;
+use glam::DVec3;
+
+/// Passes after which a response that still penetrates gives up.
+const MOST_PASSES: u32 = 400;
+/// Penetration left by the passes, as a share of the local size, that asks for more of them.
+const PENETRATION_LEFT: f64 = 1e-4;
+
+/// A node that takes part in the response.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactNode {
+    /// Body.
+    pub body: u32,
+    /// Node of the body.
+    pub node: u32,
+    /// Velocity, m/s; corrected by the response.
+    pub velocity_m_s: DVec3,
+    /// Inverse mass along x, y, z, 1/kg; zero where the motion is prescribed.
+    pub inverse_mass_per_kg: DVec3,
+    /// Sum of the contact impulses, N s.
+    pub impulse_n_s: DVec3,
+}
+
+/// Parameters of the response.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResponseParameters {
+    /// Length of the step, s.
+    pub step_s: f64,
+    /// Gauss-Seidel passes at most, unless a penetration is left.
+    pub passes: u32,
+    /// Relative change of the multipliers at which the passes stop.
+    pub tolerance: f64,
+    /// Whether closing impacts conserve energy.
+    pub conserve_impact_energy: bool,
+    /// Closing speed below which nothing bounces, m/s.
+    pub rest_speed_m_s: f64,
+}
+
+/// What the response did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ResponseReport {
+    /// Passes taken.
+    pub passes: u32,
+    /// Largest change of a multiplier in the last pass over the largest multiplier.
+    pub last_change: f64,
+    /// Energy taken from the nodes by friction and impact, J.
+    pub dissipated_j: f64,
+    /// Work done by nodes whose motion is prescribed, J.
+    pub prescribed_work_j: f64,
+}
+
+/// The nodes of a set of constraints and where each constraint finds its four.
+#[derive(Debug, Default)]
+pub struct NodeTable {
+    /// Nodes, sorted by body and node.
+    pub nodes: Vec<ContactNode>,
+    rows: Vec<[usize; 4]>,
+    start_velocities_m_s: Vec<DVec3>,
+}
+
+impl NodeTable {
+    /// Collects the nodes of the constraints; `state` gives velocity and inverse mass of (body, node).
+    #[must_use]
+    pub fn new(constraints: &[Constraint], state: impl Fn(u32, u32) -> (DVec3, DVec3)) -> Self {
+        let id = |c: &Constraint, k: usize| (c.bodies[c.nodes[k].0 as usize], c.nodes[k].1);
+        let mut ids: Vec<(u32, u32)> =
+            constraints.iter().flat_map(|c| (0..4).map(move |k| id(c, k))).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        let rows = constraints
+            .iter()
+            .map(|c| std::array::from_fn(|k| ids.binary_search(&id(c, k)).unwrap_or_default()))
+            .collect();
+        let nodes: Vec<ContactNode> = ids
+            .iter()
+            .map(|&(body, node)| {
+                let (velocity_m_s, inverse_mass_per_kg) = state(body, node);
+                ContactNode { body, node, velocity_m_s, inverse_mass_per_kg, impulse_n_s: DVec3::ZERO }
+            })
+            .collect();
+        let start_velocities_m_s = nodes.iter().map(|n| n.velocity_m_s).collect();
+        Self { nodes, rows, start_velocities_m_s }
+    }
+
+    fn relative_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
+        self.rows[row].iter().zip(weights).map(|(i, w)| self.nodes[*i].velocity_m_s * *w).sum()
+    }
+
+    fn apply(&mut self, row: usize, weights: &[f64; 4], impulse_n_s: DVec3) {
+        for (i, w) in self.rows[row].into_iter().zip(weights) {
+            let node = &mut self.nodes[i];
+            node.impulse_n_s += impulse_n_s * *w;
+            node.velocity_m_s += node.inverse_mass_per_kg * impulse_n_s * *w;
+        }
+    }
+
+    /// Diagonal of the pair's block: `sum_i w_i^2 / m_i` along x, y, z, 1/kg.
+    fn block(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
+        let rows = self.rows[row].iter().zip(weights);
+        rows.map(|(i, w)| self.nodes[*i].inverse_mass_per_kg * (w * w)).sum()
+    }
+
+    /// Energy that the impulses took from the nodes and work that prescribed motion did, J.
+    fn balances(&self) -> (f64, f64) {
+        let (mut dissipated_j, mut prescribed_j) = (0.0, 0.0);
+        for (node, start) in self.nodes.iter().zip(&self.start_velocities_m_s) {
+            let work = node.impulse_n_s * (*start + node.velocity_m_s) * 0.5;
+            dissipated_j -= work.element_sum();
+            let is_prescribed = node.inverse_mass_per_kg.cmpeq(DVec3::ZERO);
+            prescribed_j -= DVec3::select(is_prescribed, work, DVec3::ZERO).element_sum();
+        }
+        (dissipated_j, prescribed_j)
+    }
+}
+
+/// Puts constraints into an order that depends on where they are, not on how things are numbered.
+pub fn sort_by_place(constraints: &mut [Constraint]) {
+    let key = |c: &Constraint| {
+        // Quantised so that round-off does not reorder places that are meant to be level.
+        let grid_m = 1e-5 * c.size_m;
+        let quantised = c.place_m.to_array().map(|x| ((x / grid_m + 0.377).floor(), 0));
+        quantised.map(|(q, _)| q)
+    };
+    constraints.sort_by(|a, b| {
+        let (ka, kb) = (key(a), key(b));
+        let by_place = (0..3).rev().map(|i| ka[i].total_cmp(&kb[i])).find(|o| o.is_ne());
+        by_place
+            .unwrap_or(std::cmp::Ordering::Equal)
+            .then_with(|| (a.bodies, a.feature).cmp(&(b.bodies, b.feature)))
+    });
+}
+
+/// Solves the constraints: sets their impulses and corrects the velocities in the table.
+pub fn solve(
+    constraints: &mut [Constraint],
+    table: &mut NodeTable,
+    p: &ResponseParameters,
+) -> ResponseReport {
+    let rows: Vec<PairRow> =
+        constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table, p)).collect();
+    let mut report = ResponseReport::default();
+    while report.passes < MOST_PASSES {
+        report.last_change = one_pass(&rows, constraints, table, report.passes % 2 == 1);
+        report.passes += 1;
+        let is_settled = report.last_change < p.tolerance;
+        let is_time = is_settled || report.passes >= p.passes;
+        if is_time && (report.last_change < 1e-12 || !penetrates(&rows, constraints, table, p.step_s)) {
+            break;
+        }
+    }
+    for row in &rows {
+        row.free_of_moment(&constraints[row.index], table);
+    }
+    (report.dissipated_j, report.prescribed_work_j) = table.balances();
+    report
+}
+
+/// One pass over the pairs; returns the largest change over the largest multiplier.
+fn one_pass(
+    rows: &[PairRow],
+    constraints: &mut [Constraint],
+    table: &mut NodeTable,
+    is_backward: bool,
+) -> f64 {
+    let (mut change, mut largest) = (0.0_f64, 0.0_f64);
+    let mut visit = |row: &PairRow| {
+        let constraint = &mut constraints[row.index];
+        change = change.max(row.relax(constraint, table));
+        largest = largest.max(constraint.impulse_n_s.length_squared());
+    };
+    if is_backward {
+        rows.iter().rev().for_each(&mut visit);
+    } else {
+        rows.iter().for_each(&mut visit);
+    }
+    if largest > 0.0 { change / largest.sqrt() } else { 0.0 }
+}
+
+fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, step_s: f64) -> bool {
+    rows.iter().any(|row| {
+        let c = &constraints[row.index];
+        let normal_v = table.relative_velocity(row.index, &c.weights).dot(c.normal);
+        let allowed_m = PENETRATION_LEFT * c.size_m - c.gap_m.min(0.0);
+        c.gap_m + step_s * normal_v < -allowed_m
+    })
+}
+
+/// A pair with its block, ready to be solved again and again.
+struct PairRow {
+    index: usize,
+    normal_block_per_kg: f64,
+    tangent_block_per_kg: f64,
+}
+
+impl PairRow {
+    /// Sets the pair's target; `None` when neither side can move.
+    fn new(
+        index: usize,
+        constraint: &Constraint,
+        table: &NodeTable,
+        _p: &ResponseParameters,
+    ) -> Option<Self> {
+        let block = table.block(index, &constraint.weights);
+        let n = constraint.normal;
+        let normal_block_per_kg = n.dot(block * n);
+        (normal_block_per_kg > 0.0).then(|| Self {
+            index,
+            normal_block_per_kg,
+            tangent_block_per_kg: block.max_element(),
+        })
+    }
+
+    /// Solves the pair with all others held; returns the length of the change of its impulse, N s.
+    fn relax(&self, c: &mut Constraint, table: &mut NodeTable) -> f64 {
+        let velocity = table.relative_velocity(self.index, &c.weights);
+        let old = c.impulse_n_s;
+        let old_normal = old.dot(c.normal);
+        let shortfall = c.target_m_s - velocity.dot(c.normal);
+        let normal_part = (old_normal + shortfall / self.normal_block_per_kg).max(0.0);
+        let mut tangential = DVec3::ZERO;
+        if c.friction_coefficient > 0.0 && normal_part > 0.0 {
+            let slip = velocity - c.normal * velocity.dot(c.normal);
+            let sticking = (old - c.normal * old_normal) - slip / self.tangent_block_per_kg;
+            tangential = sticking.clamp_length_max(c.friction_coefficient * normal_part);
+        }
+        c.impulse_n_s = c.normal * normal_part + tangential;
+        let change = c.impulse_n_s - old;
+        if change != DVec3::ZERO {
+            table.apply(self.index, &c.weights, change);
+        }
+        change.length()
+    }
+
+    /// Moves the foot of the force so that the pair has no moment (see `constraint.rs`).
+    fn free_of_moment(&self, c: &Constraint, table: &mut NodeTable) {
+        let weights = c.moment_free_weights();
+        if weights != c.weights {
+            let change = std::array::from_fn(|i| weights[i] - c.weights[i]);
+            table.apply(self.index, &change, c.impulse_n_s);
+        }
+    }
+}
+
+/// Sets the relative normal velocity each pair must at least have after the response.
+///
+/// A pair that would penetrate and closes faster than the rest speed leaves as fast as it came; one that
+/// closes slowly comes to touch exactly; between once and twice the rest speed the two are blended.
+pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &ResponseParameters) {
+    for (row, c) in constraints.iter_mut().enumerate() {
+        let closing_m_s = -table.relative_velocity(row, &c.weights).dot(c.normal);
+        let mut touch_m_s = -c.gap_m / p.step_s;
+        if touch_m_s > 0.0 {
+            touch_m_s = touch_m_s.min(p.rest_speed_m_s + 0.1 * closing_m_s.abs() + f64::MIN_POSITIVE);
+        }
+        let is_impact = closing_m_s * p.step_s > c.gap_m && p.conserve_impact_energy;
+        let bounce = if is_impact { bounce_share(closing_m_s, p.rest_speed_m_s) } else { 0.0 };
+        c.target_m_s = bounce * closing_m_s + (1.0 - bounce) * touch_m_s;
+    }
+}
+
+fn bounce_share(closing_m_s: f64, rest_speed_m_s: f64) -> f64 {
+    if rest_speed_m_s > 0.0 {
+        (closing_m_s / rest_speed_m_s - 1.0).clamp(0.0, 1.0)
+    } else if closing_m_s > 0.0 {
+        1.0
+    } else {
+        0.0
+    }
+}
+
+/// The penalty baseline: a spring between the features of every penetrating pair, with Coulomb friction.
+///
+/// `stiffness_n_m` in N/m. Returns the energy taken by friction and stored in the springs together: the
+/// springs' energy is [`penalty_energy_j`].
+pub fn apply_penalty(
+    constraints: &mut [Constraint],
+    table: &mut NodeTable,
+    stiffness_n_m: f64,
+    step_s: f64,
+) -> ResponseReport {
+    for (row, c) in constraints.iter_mut().enumerate().filter(|(_, c)| c.gap_m < 0.0) {
+        let normal_part = -c.gap_m * stiffness_n_m * step_s;
+        let velocity = table.relative_velocity(row, &c.weights);
+        let slip = velocity - c.normal * velocity.dot(c.normal);
+        let block = table.block(row, &c.weights).max_element();
+        if block <= 0.0 {
+            continue;
+        }
+        let tangential = (-slip / block).clamp_length_max(c.friction_coefficient * normal_part);
+        c.impulse_n_s = c.normal * normal_part + tangential;
+        let weights = c.moment_free_weights();
+        table.apply(row, &weights, c.impulse_n_s);
+    }
+    let (dissipated_j, prescribed_work_j) = table.balances();
+    ResponseReport { passes: 1, dissipated_j, prescribed_work_j, ..ResponseReport::default() }
+}
+
+/// Energy in the penalty springs at the start of the step, J.
+#[must_use]
+pub fn penalty_energy_j(constraints: &[Constraint], stiffness_n_m: f64) -> f64 {
+    constraints.iter().map(|c| 0.5 * stiffness_n_m * c.gap_m.min(0.0).powi(2)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::constraint::{Feature, Geometry};
+    use super::*;
+
+    const STEP_S: f64 = 1e-3;
+
+    fn parameters(conserve: bool) -> ResponseParameters {
+        ResponseParameters {
+            step_s: STEP_S,
+            passes: 100,
+            tolerance: 1e-13,
+            conserve_impact_energy: conserve,
+            rest_speed_m_s: 0.0,
+        }
+    }
+
+    /// A node of body 0 above the middle of a triangle of body 1.
+    fn pair(gap_m: f64, friction: f64) -> Vec<Constraint> {
+        let patch = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let node = DVec3::new(0.3, 0.3, gap_m);
+        let g = Geometry::node_on_patch(node, patch).unwrap();
+        vec![Constraint {
+            bodies: [0, 1],
+            feature: Feature::NodeOnPatch { node: 0, triangle: 0 },
+            nodes: [(0, 0), (1, 0), (1, 1), (1, 2)],
+            weights: g.weights,
+            weight_shifts_per_m: g.weight_shifts_per_m,
+            normal: g.normal,
+            gap_m: g.gap_m,
+            place_m: node,
+            size_m: 1.0,
+            friction_coefficient: friction,
+            target_m_s: 0.0,
+            impulse_n_s: DVec3::ZERO,
+        }]
+    }
+
+    fn run(
+        c: &mut [Constraint],
+        velocity: DVec3,
+        patch_inverse_mass: f64,
+        conserve: bool,
+    ) -> (NodeTable, ResponseReport) {
+        let mut table = NodeTable::new(c, |body, _| match body {
+            0 => (velocity, DVec3::splat(0.5)),
+            _ => (DVec3::ZERO, DVec3::splat(patch_inverse_mass)),
+        });
+        set_targets(c, &table, &parameters(conserve));
+        let report = solve(c, &mut table, &parameters(conserve));
+        (table, report)
+    }
+
+    fn kinetic(table: &NodeTable) -> f64 {
+        let energy = |n: &ContactNode| 0.5 * n.velocity_m_s.length_squared() / n.inverse_mass_per_kg.x;
+        table.nodes.iter().filter(|n| n.inverse_mass_per_kg.x > 0.0).map(energy).sum()
+    }
+
+    #[test]
+    fn impact_conserves_energy_and_momentum_when_asked() {
+        let mut c = pair(1e-6, 0.0);
+        let (table, report) = run(&mut c, DVec3::NEG_Z * 3.0, 0.25, true);
+        assert!((kinetic(&table) - 9.0).abs() < 1e-12);
+        assert!(report.dissipated_j.abs() < 1e-12);
+        let momentum: DVec3 = table.nodes.iter().map(|n| n.impulse_n_s).sum();
+        assert!(momentum.length() < 1e-14);
+    }
+
+    #[test]
+    fn plastic_contact_closes_the_gap_exactly_and_books_the_loss() {
+        let mut c = pair(1e-4, 0.0);
+        let (table, report) = run(&mut c, DVec3::NEG_Z * 3.0, 0.0, false);
+        let end = c[0].gap_m + STEP_S * table.nodes[0].velocity_m_s.z;
+        assert!(end.abs() < 1e-18);
+        assert!((report.dissipated_j - (9.0 - kinetic(&table))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_leaving_pair_is_never_pulled() {
+        let mut c = pair(-1e-9, 0.5);
+        let (_, report) = run(&mut c, DVec3::Z, 0.25, true);
+        assert_eq!(c[0].impulse_n_s, DVec3::ZERO);
+        assert_eq!(report.dissipated_j, 0.0);
+    }
+
+    #[test]
+    fn friction_sticks_inside_the_cone_and_slides_on_it() {
+        let mut sticking = pair(0.0, 0.5);
+        let (table, _) = run(&mut sticking, DVec3::new(0.4, 0.0, -1.0), 0.0, false);
+        assert!(table.nodes[0].velocity_m_s.length() < 1e-15);
+        let mut sliding = pair(0.0, 0.5);
+        let (table, report) = run(&mut sliding, DVec3::new(2.0, 0.0, -1.0), 0.0, false);
+        assert!((table.nodes[0].velocity_m_s.x - 1.5).abs() < 1e-14);
+        let tangential = sliding[0].impulse_n_s.truncate().length();
+        assert!((tangential - 0.5 * sliding[0].impulse_n_s.z).abs() < 1e-14);
+        assert!(report.dissipated_j > 0.0);
+    }
+
+    #[test]
+    fn the_same_pair_seen_three_times_converges_to_the_same_motion() {
+        let mut once = pair(0.0, 0.3);
+        let (expected, _) = run(&mut once, DVec3::new(0.1, 0.2, -1.0), 0.25, true);
+        let mut thrice: Vec<Constraint> = (0..3).flat_map(|_| pair(0.0, 0.3)).collect();
+        let (table, report) = run(&mut thrice, DVec3::new(0.1, 0.2, -1.0), 0.25, true);
+        assert!(report.last_change < 1e-12);
+        for (a, b) in table.nodes.iter().zip(&expected.nodes) {
+            assert!((a.velocity_m_s - b.velocity_m_s).length() < 1e-12);
+        }
+    }
+}

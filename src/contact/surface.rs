@@ -1,0 +1,122 @@
+//! What contact needs of a body's surface: triangles, edges, nodes, local sizes.
+
+use super::geometry::unit_normal;
+use crate::mesh::Surface;
+use glam::DVec3;
+
+/// Edges whose faces fold by less than this (cosine of the angle between the normals) are inner lines of
+/// a flat face: node-triangle contact covers them.
+const FLAT_EDGE_COSINE: f64 = 0.999;
+
+/// A surface edge with the one or two triangles at it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ContactEdge {
+    /// End nodes, ascending.
+    pub nodes: [u32; 2],
+    /// Triangles at the edge; the same one twice at an open border.
+    pub triangles: [u32; 2],
+    /// Whether the edge is sharp and convex in the reference shape, so that it can meet other edges.
+    pub is_sharp: bool,
+}
+
+/// The surface of one body, in terms of its own node indices.
+#[derive(Clone, Debug, Default)]
+pub struct ContactSurface {
+    /// Triangles, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Edges, each once.
+    pub edges: Vec<ContactEdge>,
+    /// Nodes on the surface, ascending.
+    pub nodes: Vec<u32>,
+    /// Local element size of each triangle: square root of twice its area, m.
+    pub triangle_size_m: Vec<f64>,
+    /// For each triangle, which of its corners it speaks for when pairs are enumerated by triangles,
+    /// so that no node is met twice.
+    pub owns_node: Vec<[bool; 3]>,
+    /// For each triangle, the edges it speaks for.
+    pub owned_edges: Vec<[Option<u32>; 3]>,
+}
+
+impl ContactSurface {
+    /// Takes over a mesh's boundary; `reference_m` are the reference positions of all its nodes.
+    #[must_use]
+    pub fn new(boundary: &Surface, reference_m: &[DVec3]) -> Self {
+        let triangles = boundary.triangles.clone();
+        let triangle_size_m = triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|n| reference_m[n as usize]);
+                (b - a).cross(c - a).length().sqrt()
+            })
+            .collect();
+        let edges: Vec<ContactEdge> = boundary
+            .edges
+            .iter()
+            .map(|edge| ContactEdge {
+                nodes: edge.nodes,
+                triangles: edge.triangles,
+                is_sharp: is_sharp(&triangles, edge.triangles, reference_m),
+            })
+            .collect();
+        let nodes = boundary.nodes.clone();
+        let owns_node = first_owner_of_nodes(&triangles, reference_m.len());
+        let mut owned_edges = vec![[None; 3]; triangles.len()];
+        for (index, edge) in edges.iter().enumerate() {
+            let slots = &mut owned_edges[edge.triangles[0] as usize];
+            let free = slots.iter().position(Option::is_none).unwrap_or(2);
+            slots[free] = Some(index as u32);
+        }
+        Self { triangles, edges, nodes, triangle_size_m, owns_node, owned_edges }
+    }
+
+    /// Corner positions of a triangle, m.
+    #[must_use]
+    pub fn corners_m(&self, triangle: u32, positions_m: &[DVec3]) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|n| positions_m[n as usize])
+    }
+}
+
+fn first_owner_of_nodes(triangles: &[[u32; 3]], node_count: usize) -> Vec<[bool; 3]> {
+    let mut is_taken = vec![false; node_count];
+    triangles.iter().map(|t| t.map(|n| !std::mem::replace(&mut is_taken[n as usize], true))).collect()
+}
+
+fn is_sharp(triangles: &[[u32; 3]], at: [u32; 2], reference_m: &[DVec3]) -> bool {
+    if at[0] == at[1] {
+        return true;
+    }
+    let corners = at.map(|t| triangles[t as usize].map(|n| reference_m[n as usize]));
+    let normals = corners.map(unit_normal);
+    let is_folded = normals[0].dot(normals[1]) < FLAT_EDGE_COSINE;
+    // Convex: the other triangle lies below the first one's plane.
+    let centre = (corners[1][0] + corners[1][1] + corners[1][2]) / 3.0;
+    is_folded && (centre - corners[0][0]).dot(normals[0]) < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_node_and_edge_has_exactly_one_speaker() {
+        let nodes = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let surface = ContactSurface::new(&Surface::of(&[[0, 1, 2, 3]]), &nodes);
+        assert_eq!(surface.nodes, [0, 1, 2, 3]);
+        assert_eq!(surface.edges.len(), 6);
+        assert!(surface.edges.iter().all(|e| e.is_sharp && e.triangles[0] != e.triangles[1]));
+        let spoken_nodes = surface.owns_node.iter().flatten().filter(|o| **o).count();
+        let mut spoken: Vec<u32> = surface.owned_edges.iter().flatten().flatten().copied().collect();
+        spoken.sort_unstable();
+        assert_eq!((spoken_nodes, spoken), (4, vec![0, 1, 2, 3, 4, 5]));
+    }
+
+    #[test]
+    fn a_line_inside_a_flat_face_is_not_sharp() {
+        // Two tetrahedra side by side on the plane z = 0; their common bottom edge is 1-2.
+        let nodes = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y, DVec3::new(0.5, 0.5, 1.0)];
+        let surface = ContactSurface::new(&Surface::of(&[[0, 1, 2, 4], [1, 3, 2, 4]]), &nodes);
+        let edge = |n: [u32; 2]| surface.edges.iter().find(|e| e.nodes == n).unwrap();
+        assert!(!edge([1, 2]).is_sharp);
+        assert!(edge([0, 1]).is_sharp);
+    }
+}

@@ -1,0 +1,242 @@
+//! Elastic forces of a whole body: fetch, compute, add up.
+
+use super::elements::{Batch, Chunk, ElementBatches};
+use super::kernel::{CornerRows, LaneTotals, body_frame_batch, green_batch};
+use super::lanes::{BATCH, Row};
+use super::partition::CHUNK_NODES;
+use glam::{DMat3, DVec3};
+use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Batches whose corners are fetched together before any is computed: a register filled from
+/// numbers stored a moment ago has to wait for them.
+const BLOCK_BATCHES: usize = 8;
+/// Chunks from which work is shared among threads: below, waking them costs more than it saves.
+const PARALLEL_CHUNKS: usize = 8;
+/// Nodes that one task sums.
+const TASK_NODES: usize = 4096;
+
+/// Strain measure of the force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ElementKinematics {
+    /// Green-Lagrange strain of the total displacement.
+    Green,
+    /// Small strain in the body's frame: the constant stiffness of the reference shape, turned.
+    BodyFrame {
+        /// The body's orientation `R`: world from body.
+        rotation: DMat3,
+    },
+}
+
+/// What the force loop finds on its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ElasticState {
+    /// Strain energy, J; not finite as soon as any node position is not.
+    pub strain_energy_j: f64,
+    /// Largest `sqrt(E : E)` over the elements, for [`super::green_step_factor`].
+    pub max_strain: f64,
+}
+
+/// Memory that [`ElementBatches::forces`] works in; keep it from step to step.
+#[derive(Clone, Debug, Default)]
+pub struct ForceScratch {
+    /// Force of each chunk on each of its nodes, N.
+    slots: Vec<DVec3>,
+    /// Energy (J) and largest squared strain of each chunk.
+    totals: Vec<(f64, f64)>,
+}
+
+impl ElementBatches {
+    /// Elastic force on every node, written (not added) to `forces_n`, and the strain energy.
+    ///
+    /// Positions and forces are in world axes, one per node. The result is the same to the last bit
+    /// whatever the number of threads or the instruction set.
+    ///
+    /// # Panics
+    /// If the two slices are not one entry per node.
+    pub fn forces(
+        &self,
+        scratch: &mut ForceScratch,
+        positions_m: &[DVec3],
+        kinematics: ElementKinematics,
+        forces_n: &mut [DVec3],
+    ) -> ElasticState {
+        assert_eq!(
+            positions_m.len(),
+            self.node_count(),
+            "one position per node"
+        );
+        assert_eq!(forces_n.len(), self.node_count(), "one force per node");
+        scratch.slots.resize(self.node_slots.len(), DVec3::ZERO);
+        scratch.totals.resize(self.chunks.len(), (0.0, 0.0));
+        let run = |chunk: &Chunk, slots: &mut [DVec3], totals: &mut (f64, f64)| {
+            *totals = self.arch.dispatch(ChunkForces {
+                chunk,
+                positions_m,
+                kinematics,
+                slots,
+            });
+        };
+        let work = self.chunks.iter().zip(scratch.totals.iter_mut());
+        let mut rest = scratch.slots.as_mut_slice();
+        let pieces = work.map(|(chunk, totals)| {
+            let (slots, tail) = std::mem::take(&mut rest).split_at_mut(chunk.layout.nodes.len());
+            rest = tail;
+            (chunk, slots, totals)
+        });
+        if self.runs_parallel() {
+            let pieces: Vec<_> = pieces.collect();
+            pieces
+                .into_par_iter()
+                .for_each(|(chunk, slots, totals)| run(chunk, slots, totals));
+        } else {
+            pieces.for_each(|(chunk, slots, totals)| run(chunk, slots, totals));
+        }
+        self.sum_slots(&scratch.slots, forces_n);
+        let zero = ElasticState::default();
+        let squared = scratch
+            .totals
+            .iter()
+            .fold(zero, |sum, &(energy_j, strain)| ElasticState {
+                strain_energy_j: sum.strain_energy_j + energy_j,
+                max_strain: sum.max_strain.max(strain),
+            });
+        ElasticState {
+            max_strain: squared.max_strain.sqrt(),
+            ..squared
+        }
+    }
+
+    fn runs_parallel(&self) -> bool {
+        self.chunks.len() >= PARALLEL_CHUNKS && rayon::current_num_threads() > 1
+    }
+
+    fn sum_slots(&self, slots: &[DVec3], forces_n: &mut [DVec3]) {
+        let run = |(task, forces_n): (usize, &mut [DVec3])| {
+            let starts = &self.node_starts[task * TASK_NODES..];
+            for (force_n, range) in forces_n.iter_mut().zip(starts.windows(2)) {
+                let slots_of_node = &self.node_slots[range[0] as usize..range[1] as usize];
+                *force_n = slots_of_node
+                    .iter()
+                    .fold(DVec3::ZERO, |sum, &slot| sum + slots[slot as usize]);
+            }
+        };
+        if self.runs_parallel() {
+            forces_n
+                .par_chunks_mut(TASK_NODES)
+                .enumerate()
+                .for_each(run);
+        } else {
+            forces_n.chunks_mut(TASK_NODES).enumerate().for_each(run);
+        }
+    }
+}
+
+impl Batch {
+    /// Copies corner positions, m, into rows.
+    #[inline(always)]
+    fn fetch(&self, positions: &[[f64; 3]; CHUNK_NODES], rows: &mut CornerRows) {
+        for corner in 0..4 {
+            for lane in 0..BATCH {
+                let x = &positions[self.corners[corner][lane] as usize % CHUNK_NODES];
+                rows[3 * corner].0[lane] = x[0];
+                rows[3 * corner + 1].0[lane] = x[1];
+                rows[3 * corner + 2].0[lane] = x[2];
+            }
+        }
+    }
+
+    /// Adds corner forces, N, from rows.
+    #[inline(always)]
+    fn add_up(&self, rows: &CornerRows, forces: &mut [[f64; 3]; CHUNK_NODES]) {
+        for lane in 0..BATCH {
+            for corner in 0..4 {
+                let f = &mut forces[self.corners[corner][lane] as usize % CHUNK_NODES];
+                f[0] += rows[3 * corner].0[lane];
+                f[1] += rows[3 * corner + 1].0[lane];
+                f[2] += rows[3 * corner + 2].0[lane];
+            }
+        }
+    }
+}
+
+/// One chunk's forces, compiled once per instruction set.
+struct ChunkForces<'a> {
+    chunk: &'a Chunk,
+    positions_m: &'a [DVec3],
+    kinematics: ElementKinematics,
+    /// Out: force of the chunk on its nodes, N.
+    slots: &'a mut [DVec3],
+}
+
+impl WithSimd for ChunkForces<'_> {
+    type Output = (f64, f64);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> (f64, f64) {
+        let nodes = &self.chunk.layout.nodes;
+        let mut positions = [[0.0; 3]; CHUNK_NODES];
+        let mut forces = [[0.0; 3]; CHUNK_NODES];
+        let totals = match self.kinematics {
+            ElementKinematics::Green => {
+                for (local, &node) in positions.iter_mut().zip(nodes) {
+                    *local = self.positions_m[node as usize].to_array();
+                }
+                let totals = run_batches::<S, true>(simd, self.chunk, &positions, &mut forces);
+                for (slot, force) in self.slots.iter_mut().zip(&forces) {
+                    *slot = DVec3::from_array(*force);
+                }
+                totals
+            }
+            ElementKinematics::BodyFrame { rotation } => {
+                // Seen from the first node, so that turning costs no digits far from the origin.
+                let origin_m = self.positions_m[nodes[0] as usize];
+                let body_from_world = rotation.transpose();
+                for (local, &node) in positions.iter_mut().zip(nodes) {
+                    let x = self.positions_m[node as usize] - origin_m;
+                    *local = (body_from_world * x).to_array();
+                }
+                let totals = run_batches::<S, false>(simd, self.chunk, &positions, &mut forces);
+                for (slot, force) in self.slots.iter_mut().zip(&forces) {
+                    *slot = rotation * DVec3::from_array(*force);
+                }
+                totals
+            }
+        };
+        (
+            totals.energy_j.0.iter().fold(0.0, |sum, x| sum + x),
+            totals
+                .strain_squared
+                .0
+                .iter()
+                .fold(0.0, |most, &x| f64::max(most, x)),
+        )
+    }
+}
+
+#[inline(always)]
+fn run_batches<S: Simd, const GREEN: bool>(
+    simd: S,
+    chunk: &Chunk,
+    positions: &[[f64; 3]; CHUNK_NODES],
+    forces: &mut [[f64; 3]; CHUNK_NODES],
+) -> LaneTotals {
+    let mut totals = LaneTotals::ZERO;
+    let mut block_rows = [[Row::ZERO; 12]; BLOCK_BATCHES];
+    for block in chunk.batches.chunks(BLOCK_BATCHES) {
+        for (batch, rows) in block.iter().zip(&mut block_rows) {
+            batch.fetch(positions, rows);
+        }
+        for (batch, rows) in block.iter().zip(&mut block_rows) {
+            if GREEN {
+                green_batch(simd, &batch.shape, rows, &mut totals);
+            } else {
+                body_frame_batch(simd, &batch.shape, rows, &mut totals);
+            }
+        }
+        for (batch, rows) in block.iter().zip(&block_rows) {
+            batch.add_up(rows, forces);
+        }
+    }
+    totals
+}

@@ -1,0 +1,152 @@
+//! Stress and energy element by element, and the search for what is not finite. Plain code: it runs when a
+//! picture or a row of data is asked for, not in every step; the tests hold the fast kernel against it.
+
+use super::elements::Chunk;
+use super::lanes::BATCH;
+use super::{ElementBatches, ElementKinematics};
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+/// Where a number stopped being finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotFinitePlace {
+    /// Position of this node.
+    Node(usize),
+    /// Stress or energy of this element, all nodes being finite.
+    Element(usize),
+}
+
+/// Strain and stress of one element in the axes its strain measure lives in.
+struct ElementStrain {
+    /// Deformation gradient, for `body-frame` seen from the body.
+    gradient: DMat3,
+    /// Green-Lagrange or small strain.
+    strain: DMat3,
+    /// Second Piola-Kirchhoff or small-strain stress, Pa.
+    stress_pa: DMat3,
+}
+
+impl ElementBatches {
+    /// Cauchy stress of each element, Pa, tension positive, world axes, in the caller's order:
+    /// `F S F^T / J` for `green` (not finite if the element is exactly flat), `R s R^T` for `body-frame`.
+    #[must_use]
+    pub fn cauchy_stresses_pa(
+        &self,
+        positions_m: &[DVec3],
+        kinematics: ElementKinematics,
+    ) -> Vec<DMat3> {
+        self.map_elements(|element, gradients_per_m| {
+            let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
+            match kinematics {
+                ElementKinematics::Green => {
+                    let pushed = at.gradient * at.stress_pa * at.gradient.transpose();
+                    pushed * at.gradient.determinant().recip()
+                }
+                ElementKinematics::BodyFrame { rotation } => {
+                    rotation * at.stress_pa * rotation.transpose()
+                }
+            }
+        })
+    }
+
+    /// Strain energy of each element, J, in the caller's order.
+    #[must_use]
+    pub fn element_energies_j(
+        &self,
+        positions_m: &[DVec3],
+        kinematics: ElementKinematics,
+    ) -> Vec<f64> {
+        self.map_elements(|element, gradients_per_m| {
+            let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
+            let volume_m3 = self.masses_kg[element] / self.constants[element].density_kg_m3;
+            let work = |axis: usize| at.stress_pa.col(axis).dot(at.strain.col(axis));
+            0.5 * volume_m3 * (work(0) + work(1) + work(2))
+        })
+    }
+
+    /// Strain energy of the body, J; equal to that of [`Self::forces`] up to round-off.
+    #[must_use]
+    pub fn strain_energy_j(&self, positions_m: &[DVec3], kinematics: ElementKinematics) -> f64 {
+        let energies_j = self.element_energies_j(positions_m, kinematics);
+        energies_j.iter().fold(0.0, |sum, energy| sum + energy)
+    }
+
+    /// The first node, else the first element, that is not finite. To be asked only once
+    /// [`super::ElasticState::strain_energy_j`] is not finite: it looks at everything.
+    #[must_use]
+    pub fn first_not_finite(
+        &self,
+        positions_m: &[DVec3],
+        kinematics: ElementKinematics,
+    ) -> Option<NotFinitePlace> {
+        if let Some(node) = positions_m.iter().position(|x| !x.is_finite()) {
+            return Some(NotFinitePlace::Node(node));
+        }
+        let energies_j = self.element_energies_j(positions_m, kinematics);
+        let element = energies_j.iter().position(|energy| !energy.is_finite());
+        element.map(NotFinitePlace::Element)
+    }
+
+    fn strain_of(
+        &self,
+        element: usize,
+        gradients_per_m: &[DVec3; 4],
+        positions_m: &[DVec3],
+        kinematics: ElementKinematics,
+    ) -> ElementStrain {
+        let corners_m = self.tets[element].map(|node| positions_m[node as usize]);
+        let mut gradient = DMat3::ZERO;
+        for (corner_m, g) in corners_m.iter().zip(gradients_per_m).skip(1) {
+            let edge_m = *corner_m - corners_m[0];
+            gradient += DMat3::from_cols(edge_m * g.x, edge_m * g.y, edge_m * g.z);
+        }
+        let strain = match kinematics {
+            ElementKinematics::Green => (gradient.transpose() * gradient - DMat3::IDENTITY) * 0.5,
+            ElementKinematics::BodyFrame { rotation } => {
+                gradient = rotation.transpose() * gradient;
+                (gradient + gradient.transpose()) * 0.5 - DMat3::IDENTITY
+            }
+        };
+        ElementStrain {
+            gradient,
+            strain,
+            stress_pa: self.constants[element].stress_pa(&strain),
+        }
+    }
+
+    /// A value for each element from its index and its gradients (1/m), in the caller's order.
+    pub(super) fn map_elements<T: Clone + Default + Send>(
+        &self,
+        value: impl Fn(usize, [DVec3; 4]) -> T + Sync,
+    ) -> Vec<T> {
+        let of_chunk = |chunk: &Chunk| -> Vec<T> {
+            chunk
+                .elements()
+                .map(|(element, gradients)| value(element, gradients))
+                .collect()
+        };
+        let by_chunk: Vec<Vec<T>> = self.chunks.par_iter().map(of_chunk).collect();
+        let mut values = vec![T::default(); self.element_count()];
+        for (chunk, chunk_values) in self.chunks.iter().zip(by_chunk) {
+            for (&element, value) in chunk.layout.elements.iter().zip(chunk_values) {
+                values[element as usize] = value;
+            }
+        }
+        values
+    }
+}
+
+impl Chunk {
+    /// Index and gradients `g_0 .. g_3` (1/m) of each element.
+    fn elements(&self) -> impl Iterator<Item = (usize, [DVec3; 4])> {
+        self.layout
+            .elements
+            .iter()
+            .enumerate()
+            .map(|(place, &element)| {
+                let shape = &self.batches[place / BATCH].shape;
+                let [g1, g2, g3] = shape.gradients_per_m(place % BATCH);
+                (element as usize, [-(g1 + g2 + g3), g1, g2, g3])
+            })
+    }
+}

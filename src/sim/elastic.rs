@@ -1,0 +1,212 @@
+//! The elastic step of one body: half a kick, contact, drift, forces, half a kick.
+//!
+//! Central differences with lumped mass and damping (METHOD 2), written as velocity Verlet: positions and
+//! velocities belong to the same moment at the end of every step, so steps may change in length and
+//! bodies may join and leave an island at any time. It is the leapfrog scheme
+//! `v_(n+1/2) = v_(n-1/2) + h a_n`, `x_(n+1) = x_n + h v_(n+1/2)`, cut in the middle of the kick.
+
+use super::body::{Body, Load};
+use super::{Kinematics, SimError};
+use crate::fem::NotFinitePlace;
+use crate::math::{MassProperties, rotation_from_vector, solve_inertia};
+use glam::{BVec3, DQuat, DVec3};
+use rayon::prelude::*;
+
+/// Bodies with fewer nodes are not worth a second thread in node loops.
+const PARALLEL_NODES: usize = 8192;
+const CHUNK: usize = 2048;
+
+/// What the world is like for a body in a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepContext {
+    pub time_s: f64,
+    pub step_s: f64,
+    pub gravity_m_s2: DVec3,
+}
+
+impl Body {
+    /// Largest stable step now, s: the reference shape's, reduced for large strain and for damping by
+    /// stiffness.
+    pub fn stable_step_s(&self) -> f64 {
+        let Some(elasticity) = &self.elasticity else { return f64::INFINITY };
+        let mut step_s = elasticity.critical_step_s;
+        if elasticity.kinematics == Kinematics::Green {
+            step_s *= elasticity.elements.green_step_factor(elasticity.max_strain);
+        }
+        crate::fem::damped_step_s(step_s, elasticity.stiffness_damping_s)
+    }
+
+    /// First half of the kick: velocities become those of the middle of the step.
+    pub fn kick_first_half(&mut self, c: &StepContext) {
+        self.book_prescribed_work(c);
+        self.add_acceleration(0.5 * c.step_s);
+        self.damp(c.step_s, |half| 1.0 / (1.0 + half));
+        self.enforce_prescribed_velocities();
+    }
+
+    /// Moves the nodes with the (contact-corrected) velocities.
+    pub fn drift(&mut self, step_s: f64) {
+        for_nodes(&mut self.position_m, &self.velocity_m_s, |x, v| *x += *v * step_s);
+    }
+
+    /// Second half of the kick, after [`Self::update_acceleration`] at the new positions.
+    pub fn kick_second_half(&mut self, c: &StepContext) {
+        self.book_prescribed_work(c);
+        self.damp(c.step_s, |half| 1.0 - half);
+        self.add_acceleration(0.5 * c.step_s);
+        self.enforce_prescribed_velocities();
+    }
+
+    fn add_acceleration(&mut self, duration_s: f64) {
+        for_nodes(&mut self.velocity_m_s, &self.acceleration_m_s2, |v, a| *v += *a * duration_s);
+    }
+
+    /// Work of the supports over half a step, J: the reaction `-m a` times the prescribed way.
+    fn book_prescribed_work(&mut self, c: &StepContext) {
+        for p in &self.prescribed {
+            let node = p.node as usize;
+            let power = self.acceleration_m_s2[node] * p.velocity_m_s * -self.mass_kg[node];
+            let power = DVec3::select(BVec3::from_array(p.axes), power, DVec3::ZERO);
+            self.ledger.external_j += power.element_sum() * 0.5 * c.step_s;
+        }
+    }
+
+    /// Lumped damping `C = alpha M` on what is not rigid motion (on everything where supports hold the
+    /// body), `factor(alpha h / 2)` being the scheme's; the energy taken is booked.
+    fn damp(&mut self, step_s: f64, factor: impl Fn(f64) -> f64) {
+        let alpha = self.elasticity.as_ref().map_or(0.0, |e| e.damping_per_s);
+        if alpha <= 0.0 {
+            return;
+        }
+        let factor = factor(0.5 * alpha * step_s);
+        let (centre, velocity, spin) = self.rigid_velocity();
+        let mut taken_j = 0.0;
+        for ((v, x), m) in self.velocity_m_s.iter_mut().zip(&self.position_m).zip(&self.mass_kg) {
+            let rigid = velocity + spin.cross(*x - centre);
+            let deforming = *v - rigid;
+            taken_j += 0.5 * m * deforming.length_squared() * (1.0 - factor * factor);
+            *v = rigid + deforming * factor;
+        }
+        self.ledger.damped_j += taken_j;
+    }
+
+    /// Centre, velocity and spin of the rigid motion with the same momenta; zero for held bodies.
+    fn rigid_velocity(&self) -> (DVec3, DVec3, DVec3) {
+        if !self.prescribed.is_empty() {
+            return (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        }
+        let now = MassProperties::of_points(&self.mass_kg, &self.position_m);
+        let velocity = self.linear_momentum() / now.mass_kg;
+        let nodes = self.mass_kg.iter().zip(&self.velocity_m_s).zip(&self.position_m);
+        let angular: DVec3 =
+            nodes.map(|((m, v), x)| (*x - now.centre_m).cross(*v - velocity) * *m).sum();
+        (now.centre_m, velocity, solve_inertia(&now.inertia_kg_m2, angular))
+    }
+
+    /// Advances the body's frame by `step_s` (body-frame kinematics): by Theorem 1 with the angular
+    /// velocity of the momentum, which carries all torques and the gyroscopic term, then on to the
+    /// mass-weighted best fit of the nodes; the difference of the two is the drift.
+    pub fn advance_frame(&mut self, step_s: f64) {
+        let is_needed = self.elasticity.as_ref().is_some_and(|e| e.kinematics == Kinematics::BodyFrame);
+        if !is_needed {
+            return;
+        }
+        let (_, _, spin) = self.rigid_velocity();
+        let predicted: DQuat = rotation_from_vector(spin * step_s) * self.orientation;
+        let centre = MassProperties::of_points(&self.mass_kg, &self.position_m).centre_m;
+        let fitted = self.best_fit_orientation(centre);
+        if let Some(elasticity) = &mut self.elasticity {
+            elasticity.frame_drift_rad += (fitted * predicted.inverse()).to_scaled_axis().length();
+        }
+        self.orientation = fitted.normalize();
+    }
+
+    /// Elastic forces, loads and gravity at the present positions; `velocities` of the half step drive
+    /// the stiffness-proportional damping.
+    ///
+    /// # Errors
+    /// A number that is not finite, with the first element or node that has it.
+    pub fn update_acceleration(&mut self, c: &StepContext) -> Result<(), SimError> {
+        let kinematics = self.element_kinematics();
+        let Some(elasticity) = &mut self.elasticity else { return Ok(()) };
+        let state =
+            elasticity.elements.forces(&mut elasticity.scratch, &self.position_m, kinematics, &mut self.force_n);
+        elasticity.strain_energy_j = state.strain_energy_j;
+        elasticity.max_strain = state.max_strain;
+        if !state.strain_energy_j.is_finite() {
+            return Err(self.not_finite(c));
+        }
+        self.add_stiffness_damping(c.step_s);
+        self.add_loads(c);
+        let gravity = c.gravity_m_s2;
+        let force = &self.force_n;
+        let mass = &self.mass_kg;
+        let set = |(i, a): (usize, &mut DVec3)| *a = force[i] / mass[i] + gravity;
+        if self.acceleration_m_s2.len() >= PARALLEL_NODES {
+            self.acceleration_m_s2.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(set);
+        } else {
+            self.acceleration_m_s2.iter_mut().enumerate().for_each(set);
+        }
+        Ok(())
+    }
+
+    /// `beta K v` as the change of the elastic force when the nodes move on by `beta v`.
+    fn add_stiffness_damping(&mut self, step_s: f64) {
+        let kinematics = self.element_kinematics();
+        let Some(elasticity) = &mut self.elasticity else { return };
+        let beta = elasticity.stiffness_damping_s;
+        if beta <= 0.0 || step_s <= 0.0 {
+            return;
+        }
+        let ahead: Vec<DVec3> =
+            self.position_m.iter().zip(&self.velocity_m_s).map(|(x, v)| *x + *v * beta).collect();
+        let mut damped_n = vec![DVec3::ZERO; ahead.len()];
+        elasticity.elements.forces(&mut elasticity.scratch, &ahead, kinematics, &mut damped_n);
+        for ((force, damped), v) in self.force_n.iter_mut().zip(damped_n).zip(&self.velocity_m_s) {
+            self.ledger.damped_j -= (damped - *force).dot(*v) * step_s;
+            *force = damped;
+        }
+    }
+
+    /// Adds the loads and books their work over the step.
+    fn add_loads(&mut self, c: &StepContext) {
+        for Load { node_forces_n, ramp_s } in &self.loads {
+            let share = if *ramp_s > 0.0 { (c.time_s / ramp_s).clamp(0.0, 1.0) } else { 1.0 };
+            for (node, full_n) in node_forces_n {
+                let node = *node as usize;
+                self.force_n[node] += *full_n * share;
+                self.ledger.external_j += (*full_n * share).dot(self.velocity_m_s[node]) * c.step_s;
+            }
+        }
+    }
+
+    fn not_finite(&self, c: &StepContext) -> SimError {
+        let found = self.elasticity.as_ref().and_then(|e| {
+            e.elements.first_not_finite(&self.position_m, self.element_kinematics())
+        });
+        let place = match found {
+            Some(NotFinitePlace::Node(node)) => {
+                let element = self.tets.iter().position(|t| t.contains(&(node as u32)));
+                format!("element {} (node {node})", element.unwrap_or_default())
+            }
+            Some(NotFinitePlace::Element(element)) => format!("element {element}"),
+            None => "an element".to_owned(),
+        };
+        SimError::NotFinite { body: self.name.clone(), what: "the stress", place, step: 0, time_s: c.time_s }
+    }
+
+    /// Energy of deformation and of motion other than rigid, J.
+    pub fn vibration_j(&self) -> f64 {
+        let rigid = self.rigid_part();
+        self.kinetic_j() - rigid.kinetic_j(self.reference.mass_kg) + self.strain_j()
+    }
+}
+
+fn for_nodes(out: &mut [DVec3], with: &[DVec3], f: impl Fn(&mut DVec3, &DVec3) + Sync + Send) {
+    if out.len() >= PARALLEL_NODES {
+        let chunks = out.par_chunks_mut(CHUNK).zip(with.par_chunks(CHUNK));
+        chunks.for_each(|(out, with)| out.iter_mut().zip(with).for_each(|(o, w)| f(o, w)));
+    } else {
+        out.iter_mut().zip(with).for_each(|(o, w)| f(o, w));
+    }
+}

@@ -1,0 +1,158 @@
+//! Writing a frame: what a renderer needs of this moment.
+
+use super::body::{Body, Regime};
+use super::{ElementStress, World};
+use crate::contact::Constraint;
+use crate::frame::{BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, SurfaceTopology, VertexFields};
+use crate::math::symmetric_eigenvalues;
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// What does not change of a body's frames.
+pub(super) struct FrameParts {
+    name: Arc<str>,
+    palette_srgb: Arc<[[f32; 3]]>,
+    surface: Arc<SurfaceTopology>,
+}
+
+impl FrameParts {
+    pub fn new(body: &Body, setup: &super::BodySetup) -> Self {
+        let mut vertex_of = vec![u32::MAX; body.reference_m.len()];
+        for (vertex, node) in body.surface.nodes.iter().enumerate() {
+            vertex_of[*node as usize] = vertex as u32;
+        }
+        let triangles = &body.surface.triangles;
+        let behind = &body.boundary.triangle_tet;
+        let surface = SurfaceTopology {
+            triangles: triangles.iter().map(|t| t.map(|n| vertex_of[n as usize])).collect(),
+            triangle_material: behind.iter().map(|t| setup.element_material[*t as usize]).collect(),
+            triangle_is_crack: vec![false; triangles.len()],
+            triangle_element: behind.clone(),
+        };
+        Self {
+            name: body.name.as_str().into(),
+            palette_srgb: setup.materials.iter().map(|m| m.color_srgb).collect(),
+            surface: Arc::new(surface),
+        }
+    }
+}
+
+fn to_f32(x: DVec3) -> [f32; 3] {
+    x.as_vec3().to_array()
+}
+
+/// Marks of the pairs that press.
+pub(super) fn marks<'a>(
+    constraints: impl Iterator<Item = &'a Constraint>,
+    duration_s: f64,
+) -> Vec<ContactMark> {
+    constraints
+        .filter(|c| c.impulse_n_s != DVec3::ZERO && duration_s > 0.0)
+        .map(|c| ContactMark {
+            position_m: to_f32(c.place_m),
+            force_n: to_f32(c.impulse_n_s / duration_s),
+        })
+        .collect()
+}
+
+impl World {
+    /// What a renderer needs of this moment.
+    #[must_use]
+    pub fn publish(&self) -> Frame {
+        let bodies = self.bodies.iter().zip(&self.frame_parts).enumerate();
+        Frame {
+            time_s: self.time_s,
+            bodies: bodies.map(|(index, (body, parts))| self.body_frame(index, body, parts)).collect(),
+            contacts: self.marks.clone(),
+            status: self.status(),
+        }
+    }
+
+    fn status(&self) -> FrameStatus {
+        let deformable = || self.bodies.iter().filter(|b| b.is_deformable());
+        FrameStatus {
+            stage: self.last.stage.name().to_owned(),
+            step_s: self.last.step_s,
+            elements: deformable().map(|b| b.tets.len()).sum(),
+            nodes: deformable().map(|b| b.reference_m.len()).sum(),
+            contact_pairs: self.last.contact_pairs as usize,
+            fragments: self.fragments,
+            sleeping_bodies: deformable().filter(|b| b.regime == Regime::Asleep).count(),
+            steps: self.steps,
+        }
+    }
+
+    fn body_frame(&self, index: usize, body: &Body, parts: &FrameParts) -> BodyFrame {
+        let positions = self.positions_m(index);
+        let nodes = &body.surface.nodes;
+        BodyFrame {
+            name: parts.name.clone(),
+            role: match body.regime {
+                Regime::Fixed => BodyRole::Fixed,
+                Regime::Kinematic => BodyRole::Kinematic,
+                _ => BodyRole::Deformable,
+            },
+            palette_srgb: parts.palette_srgb.clone(),
+            surface: parts.surface.clone(),
+            positions_m: nodes.iter().map(|n| to_f32(positions[*n as usize])).collect(),
+            fields: self.vertex_fields(index, body),
+        }
+    }
+
+    fn vertex_fields(&self, index: usize, body: &Body) -> VertexFields {
+        let nodes = &body.surface.nodes;
+        let zero = || vec![0.0_f32; nodes.len()];
+        let velocities = self.velocities_m_s(index);
+        let mut fields = VertexFields {
+            speed_m_s: nodes.iter().map(|n| velocities[*n as usize].length() as f32).collect(),
+            displacement_m: zero(),
+            von_mises_pa: zero(),
+            max_principal_pa: zero(),
+            min_principal_pa: zero(),
+            mean_stress_pa: zero(),
+        };
+        if matches!(body.regime, Regime::Elastic | Regime::Asleep) {
+            let rigid = body.rigid_part();
+            let away = |n: &u32| {
+                let n = *n as usize;
+                (body.position_m[n] - rigid.place_m(body.arms_m[n])).length() as f32
+            };
+            fields.displacement_m = nodes.iter().map(away).collect();
+            fill_stress_fields(&mut fields, body, &self.element_stresses(index));
+        }
+        fields
+    }
+}
+
+/// Stress values at the surface vertices: means over the elements at a node, weighted by reference volume.
+fn fill_stress_fields(fields: &mut VertexFields, body: &Body, stresses: &[ElementStress]) {
+    let mut sums = vec![[0.0_f64; 5]; body.reference_m.len()];
+    for (tet, stress) in body.tets.iter().zip(stresses) {
+        let volume_m3 = crate::mesh::signed_volume_m3(&tet.map(|n| body.reference_m[n as usize]));
+        let p = stress.principal_pa;
+        let values = [von_mises_pa(p), p.x, p.z, p.element_sum() / 3.0, 1.0];
+        for node in tet {
+            for (sum, value) in sums[*node as usize].iter_mut().zip(values) {
+                *sum += volume_m3 * value;
+            }
+        }
+    }
+    for (vertex, node) in body.surface.nodes.iter().enumerate() {
+        let [mises, max, min, mean, weight] = sums[*node as usize];
+        let of = |sum: f64| (sum / weight.max(f64::MIN_POSITIVE)) as f32;
+        fields.von_mises_pa[vertex] = of(mises);
+        fields.max_principal_pa[vertex] = of(max);
+        fields.min_principal_pa[vertex] = of(min);
+        fields.mean_stress_pa[vertex] = of(mean);
+    }
+}
+
+/// `sqrt(3 J2)`, Pa.
+fn von_mises_pa(p: DVec3) -> f64 {
+    (0.5 * ((p.x - p.y).powi(2) + (p.y - p.z).powi(2) + (p.z - p.x).powi(2))).sqrt()
+}
+
+/// Cauchy stress with its principal values.
+pub(super) fn element_stress(cauchy_pa: DMat3) -> ElementStress {
+    ElementStress { cauchy_pa, principal_pa: symmetric_eigenvalues(&cauchy_pa) }
+}

@@ -1,0 +1,373 @@
+//! The step: free travel, beginning of collision, collision, end of collision (METHOD 3).
+
+use super::body::{Regime, prescribed_pose};
+use super::broad::islands;
+use super::collide::{ContactOutcome, ContactScene, penetration, respond, write_back};
+use super::elastic::StepContext;
+use super::rest::{RestView, fall_asleep, is_near_mover, try_free_travel};
+use super::touch::{Touch, first_touch, prescribed_positions};
+use super::{BodyMotion, SimError, Stage, StepReport, World};
+use crate::contact::CollisionList;
+use glam::DVec3;
+use std::time::Instant;
+
+/// What the islands did in one step, added up.
+#[derive(Default)]
+struct Collected {
+    report: StepReport,
+    outcomes: Vec<ContactOutcome>,
+    impulse_sum_n_s: f64,
+    spring_j: f64,
+}
+
+impl World {
+    /// Advances by one step, not beyond `limit_s` (absolute time).
+    ///
+    /// With an elastic body, a step is the elastic step of the slowest contact island (faster ones take
+    /// several inside it); without, it is free travel up to the next touch.
+    ///
+    /// # Errors
+    /// [`SimError::NotFinite`] when the run blows up.
+    pub fn step(&mut self, limit_s: f64) -> Result<StepReport, SimError> {
+        let started = Instant::now();
+        let before = self.phases.elastic_s + self.phases.detection_s + self.phases.response_s;
+        let was_colliding = !self.list.is_empty();
+        let is_elastic = self.bodies.iter().any(|b| b.regime == Regime::Elastic);
+        let mut report =
+            if is_elastic { self.elastic_step(limit_s)? } else { self.free_step(limit_s) };
+        self.steps += 1;
+        if was_colliding && self.list.is_empty() && is_elastic {
+            report.stage = Stage::End;
+        }
+        report.time_s = self.time_s;
+        self.last = report;
+        if self.time_s >= limit_s {
+            self.place_free_bodies();
+        }
+        let counted = self.phases.elastic_s + self.phases.detection_s + self.phases.response_s - before;
+        self.phases.other_s += started.elapsed().as_secs_f64() - counted;
+        Ok(report)
+    }
+
+    /// Free travel to the limit, the interval's end or the first touch.
+    fn free_step(&mut self, limit_s: f64) -> StepReport {
+        let start_s = self.time_s;
+        let is_moving = |b: &super::body::Body| matches!(b.regime, Regime::Free(_) | Regime::Kinematic);
+        let travels = self.bodies.iter().any(is_moving);
+        let interval_s = if travels { self.setup.time.free_interval_s } else { f64::INFINITY };
+        let horizon_s = limit_s.min(start_s + interval_s);
+        let touch = first_touch(&self.bodies, start_s, horizon_s, self.setup.gravity_m_s2);
+        let end_s = touch.map_or(horizon_s, |t| t.time_s.max(start_s));
+        self.move_rigid_bodies(end_s);
+        self.time_s = end_s;
+        let mut stage = if travels { Stage::Free } else { Stage::Resting };
+        if let Some(touch) = touch {
+            self.begin_collision(touch);
+            stage = Stage::Beginning;
+        }
+        StepReport { step_s: end_s - start_s, stage, ..StepReport::default() }
+    }
+
+    /// Moves bodies in free and prescribed motion from the world's time to `end_s`.
+    fn move_rigid_bodies(&mut self, end_s: f64) {
+        let (start_s, gravity) = (self.time_s, self.setup.gravity_m_s2);
+        for body in &mut self.bodies {
+            match (&mut body.regime, &body.motion) {
+                (Regime::Free(motion), _) => *motion = motion.after(end_s - start_s, gravity),
+                (Regime::Kinematic, BodyMotion::Kinematic(motion)) => {
+                    body.position_m = prescribed_positions(body, motion, end_s);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Node positions and velocities of bodies in free travel are only written when somebody looks.
+    pub(super) fn place_free_bodies(&mut self) {
+        for body in &mut self.bodies {
+            if let Regime::Free(motion) = body.regime {
+                body.take_rigid_state(&motion);
+            }
+        }
+    }
+
+    /// The two bodies that touch, and whatever they rest on, deform from now on.
+    fn begin_collision(&mut self, touch: Touch) {
+        for body in touch.bodies {
+            self.wake(body);
+        }
+    }
+
+    /// Makes a free or sleeping body elastic.
+    pub(super) fn wake(&mut self, index: usize) {
+        let body = &mut self.bodies[index];
+        match body.regime {
+            Regime::Free(motion) => {
+                body.take_rigid_state(&motion);
+                body.vibration_reference_j = 0.0;
+            }
+            Regime::Asleep => {}
+            _ => return,
+        }
+        body.regime = Regime::Elastic;
+        let context =
+            StepContext { time_s: self.time_s, step_s: 0.0, gravity_m_s2: self.setup.gravity_m_s2 };
+        // A waking body was finite when it fell asleep or took off; a blow-up shows in its first step.
+        let _ = body.update_acceleration(&context);
+        self.rest[index].disturb();
+        self.rest[index].last_touch_step = self.steps;
+    }
+
+    /// One step of every island with an elastic body.
+    fn elastic_step(&mut self, limit_s: f64) -> Result<StepReport, SimError> {
+        let start_s = self.time_s;
+        let clock = Instant::now();
+        let guess_s = self.smallest_step_s();
+        self.wake_neighbours(guess_s);
+        let groups = islands(&self.bodies, &self.broad.pairs);
+        let steps_s: Vec<f64> = groups.iter().map(|g| self.island_step_s(g)).collect();
+        let longest_s = steps_s.iter().copied().fold(0.0, f64::max);
+        let shortest_s = steps_s.iter().copied().fold(f64::INFINITY, f64::min);
+        let valid_s = self.broad.valid_for_s(&self.bodies).max(shortest_s);
+        let mut end_s = limit_s.min(start_s + longest_s.min(valid_s).min(self.setup.time.free_interval_s));
+        let touch = self.free_touch(end_s);
+        if let Some(touch) = touch {
+            end_s = touch.time_s.max(start_s);
+        }
+        self.phases.detection_s += clock.elapsed().as_secs_f64();
+        let mut collected = Collected::default();
+        let was_held = std::mem::take(&mut self.list);
+        let mut held = was_held.keep(|body| self.bodies[body as usize].regime == Regime::Asleep);
+        self.set_kinematic_velocities(end_s);
+        if end_s > start_s {
+            for (group, step_s) in groups.iter().zip(&steps_s) {
+                let mut list = was_held.clone();
+                self.advance_island(group, *step_s, end_s, &mut list, &mut collected)?;
+                held.merge(list.keep(|body| group.contains(&(body as usize))));
+            }
+        } else {
+            held = was_held;
+        }
+        self.move_rigid_bodies(end_s);
+        self.list = held;
+        self.time_s = end_s;
+        self.finish(&mut collected, end_s - start_s);
+        if let Some(touch) = touch {
+            self.begin_collision(touch);
+            collected.report.stage = Stage::Beginning;
+        }
+        self.settle(&groups, &collected.outcomes);
+        Ok(collected.report)
+    }
+
+    fn smallest_step_s(&self) -> f64 {
+        let elastic = self.bodies.iter().filter(|b| b.regime == Regime::Elastic);
+        elastic.map(|b| b.stable_step_s()).fold(f64::INFINITY, f64::min).min(self.setup.time.free_interval_s)
+    }
+
+    /// Renews the broad phase and wakes what an elastic body has come near, until nothing new is woken.
+    fn wake_neighbours(&mut self, step_s: f64) {
+        if self.bodies.iter().any(|b| matches!(b.regime, Regime::Free(_))) {
+            self.place_free_bodies();
+        }
+        loop {
+            self.broad.update(&self.bodies, step_s);
+            let sleeping = |b: &usize| matches!(self.bodies[*b].regime, Regime::Free(_) | Regime::Asleep);
+            let near: Vec<usize> =
+                self.broad.pairs.iter().flat_map(|p| p.bodies).filter(|b| sleeping(b)).collect();
+            if near.is_empty() {
+                return;
+            }
+            near.into_iter().for_each(|b| self.wake(b));
+        }
+    }
+
+    /// First touch of free bodies with others that do not deform, before `end_s`; looked for once per free
+    /// interval, since nothing acts on them in between.
+    fn free_touch(&mut self, end_s: f64) -> Option<Touch> {
+        let regimes: Vec<u8> = self.bodies.iter().map(|b| b.regime.number()).collect();
+        let is_valid = self.plan.regimes == regimes && end_s <= self.plan.until_s;
+        if !is_valid {
+            let until_s = (self.time_s + self.setup.time.free_interval_s).max(end_s);
+            let touch = first_touch(&self.bodies, self.time_s, until_s, self.setup.gravity_m_s2);
+            self.plan = super::world::FreePlan { regimes, until_s, touch };
+        }
+        self.plan.touch.filter(|t| t.time_s <= end_s)
+    }
+
+    /// Step of an island, s: a share of the stability limit of its worst body.
+    fn island_step_s(&self, group: &[usize]) -> f64 {
+        let time = &self.setup.time;
+        let critical = group.iter().map(|b| self.bodies[*b].stable_step_s()).fold(f64::INFINITY, f64::min);
+        let mut step_s = time.cfl * critical;
+        if let super::ContactMethod::Penalty { stiffness_n_m } = self.setup.contact.method {
+            let penalty_s = time.cfl * self.penalty_step_s(group, stiffness_n_m);
+            step_s = (step_s.powi(-2) + penalty_s.powi(-2)).powf(-0.5);
+        }
+        step_s.min(time.max_step_s)
+    }
+
+    /// Stability limit that springs of this stiffness put on the lightest surface nodes, s. Factor 2: a node may be
+    /// held by its own spring and, as a corner of a patch, by others' springs.
+    fn penalty_step_s(&self, group: &[usize], stiffness_n_m: f64) -> f64 {
+        let lightest_kg = group
+            .iter()
+            .map(|b| &self.bodies[*b])
+            .flat_map(|b| b.surface.nodes.iter().map(|n| b.mass_kg[*n as usize]))
+            .fold(f64::INFINITY, f64::min);
+        2.0 / (2.0 * 2.0 * stiffness_n_m / lightest_kg).sqrt()
+    }
+
+    fn set_kinematic_velocities(&mut self, end_s: f64) {
+        let duration_s = end_s - self.time_s;
+        for body in &mut self.bodies {
+            if let (Regime::Kinematic, BodyMotion::Kinematic(motion)) = (body.regime, &body.motion) {
+                if duration_s > 0.0 {
+                    let end = prescribed_positions(body, motion, end_s);
+                    let ways = end.iter().zip(&body.position_m);
+                    body.velocity_m_s = ways.map(|(to, from)| (*to - *from) / duration_s).collect();
+                }
+                debug_assert!(prescribed_pose(motion, end_s).0.is_finite());
+            }
+        }
+    }
+
+    /// Takes an island to `end_s` in equal elastic steps.
+    fn advance_island(
+        &mut self,
+        group: &[usize],
+        step_s: f64,
+        end_s: f64,
+        list: &mut CollisionList,
+        collected: &mut Collected,
+    ) -> Result<(), SimError> {
+        let duration_s = end_s - self.time_s;
+        let substeps = (duration_s / step_s * (1.0 - 1e-12)).ceil().max(1.0);
+        let h = duration_s / substeps;
+        for substep in 0..substeps as u32 {
+            let time_s = self.time_s + f64::from(substep + 1) * h;
+            let context = StepContext { time_s, step_s: h, gravity_m_s2: self.setup.gravity_m_s2 };
+            self.elastic_substep(group, &context, list, collected)?;
+        }
+        Ok(())
+    }
+
+    /// One elastic step of one island: predict, detect, respond, move, forces.
+    fn elastic_substep(
+        &mut self,
+        group: &[usize],
+        context: &StepContext,
+        list: &mut CollisionList,
+        collected: &mut Collected,
+    ) -> Result<(), SimError> {
+        let clock = Instant::now();
+        for &b in group {
+            self.bodies[b].kick_first_half(context);
+        }
+        let kicked = Instant::now();
+        let outcome = self.collide(group, context, list);
+        *list = CollisionList::of(&outcome.constraints);
+        let collided = Instant::now();
+        for &b in group {
+            let body = &mut self.bodies[b];
+            body.drift(context.step_s);
+            body.advance_frame(context.step_s);
+            body.update_acceleration(context).map_err(|e| e.in_step(self.steps + 1))?;
+            body.kick_second_half(context);
+        }
+        self.phases.elastic_s += kicked.duration_since(clock).as_secs_f64() + collided.elapsed().as_secs_f64();
+        self.phases.response_s += collided.duration_since(kicked).as_secs_f64();
+        self.book(&outcome, context, collected);
+        Ok(())
+    }
+
+    fn collide(&mut self, group: &[usize], context: &StepContext, list: &CollisionList) -> ContactOutcome {
+        let in_group = |b: &usize| group.binary_search(b).is_ok();
+        let scene = ContactScene {
+            bodies: &self.bodies,
+            pairs: self.broad.pairs.iter().filter(|p| p.bodies.iter().any(in_group)).collect(),
+            parameters: &self.setup.contact,
+            list,
+            step_s: context.step_s,
+            gravity_m_s2: self.setup.gravity_m_s2.length(),
+        };
+        let (outcome, table) = respond(&scene);
+        write_back(&mut self.bodies, &table);
+        outcome
+    }
+
+    /// Adds an outcome to the balances, the log and the report.
+    fn book(&mut self, outcome: &ContactOutcome, context: &StepContext, collected: &mut Collected) {
+        let report = &mut collected.report;
+        report.elastic_steps += 1;
+        if outcome.constraints.is_empty() {
+            return;
+        }
+        let response = &outcome.response;
+        self.contact_dissipated_j += response.dissipated_j;
+        self.contact_work_j += response.prescribed_work_j;
+        let pressing = || outcome.constraints.iter().filter(|c| c.impulse_n_s != DVec3::ZERO);
+        let (depth_m, depth_ratio) = penetration(&self.bodies, &outcome.constraints);
+        report.max_penetration_m = report.max_penetration_m.max(depth_m);
+        report.max_penetration_ratio = report.max_penetration_ratio.max(depth_ratio);
+        if pressing().next().is_some() {
+            report.passes = report.passes.max(response.passes);
+            report.last_change = report.last_change.max(response.last_change);
+            let sum: f64 = pressing().map(|c| c.impulse_n_s.length()).sum();
+            collected.impulse_sum_n_s += sum;
+            for c in pressing() {
+                self.log.record(c, context.time_s, context.step_s);
+            }
+            for body in pressing().flat_map(|c| c.bodies) {
+                self.rest[body as usize].last_touch_step = self.steps;
+            }
+        }
+        collected.spring_j += outcome.spring_j;
+        collected.outcomes.push(outcome.clone());
+    }
+
+    fn finish(&mut self, collected: &mut Collected, duration_s: f64) {
+        let report = &mut collected.report;
+        report.step_s = duration_s;
+        let constraints = || collected.outcomes.iter().flat_map(|o| &o.constraints);
+        let pressing = constraints().filter(|c| c.impulse_n_s != DVec3::ZERO).count();
+        report.contact_pairs = pressing as u32;
+        report.contact_force_n =
+            if duration_s > 0.0 { collected.impulse_sum_n_s / duration_s } else { 0.0 };
+        report.stage = if pressing > 0 { Stage::Collision } else { Stage::Vibrating };
+        self.spring_j = collected.spring_j;
+        self.marks = super::publish::marks(constraints(), duration_s);
+        self.largest_penetration_ratio = self.largest_penetration_ratio.max(report.max_penetration_ratio);
+    }
+
+    /// Lets bodies that have calmed down travel freely or sleep.
+    fn settle(&mut self, groups: &[Vec<usize>], outcomes: &[ContactOutcome]) {
+        let constraints: Vec<_> = outcomes.iter().flat_map(|o| &o.constraints).copied().collect();
+        for group in groups {
+            for &index in group {
+                if !self.rest[index].is_due(self.time_s) {
+                    continue;
+                }
+                let mut tracker = std::mem::take(&mut self.rest[index]);
+                let view = RestView {
+                    bodies: &self.bodies,
+                    constraints: &constraints,
+                    time_s: self.time_s,
+                    gravity_m_s2: self.setup.gravity_m_s2.length(),
+                };
+                tracker.check(index, &view);
+                let since_touch = self.steps - tracker.last_touch_step.min(self.steps);
+                self.rest[index] = tracker;
+                if self.setup.time.free_travel {
+                    let near = is_near_mover(index, &self.bodies, &self.broad.pairs);
+                    let tolerance = self.setup.time.vibration_tolerance;
+                    try_free_travel(&mut self.bodies[index], near, since_touch, tolerance);
+                }
+            }
+            let rests = |b: &usize| self.bodies[*b].regime == Regime::Elastic && self.rest[*b].is_quiet();
+            if self.setup.time.sleeping && group.iter().all(rests) {
+                group.iter().for_each(|b| fall_asleep(&mut self.bodies[*b]));
+            }
+        }
+    }
+}
