@@ -3,9 +3,9 @@
 //! The text is kept twice: as a tree with the place of every value, which the checks read, and as an
 //! editable document that keeps comments and layout, which is what saving writes.
 
+use super::findings::Finding;
 use super::path::{self, Segment};
 use super::problem::{Location, Problem, SceneError};
-use super::findings::Finding;
 use super::tree::{self, Entry, Node, Origin, Value};
 use toml::de::{DeTable, DeValue};
 use toml_edit::{DocumentMut, Item, TableLike};
@@ -28,14 +28,7 @@ impl SceneDocument {
     pub fn parse(label: &str, text: &str) -> Result<Self, SceneError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let (table, errors) = DeTable::parse_recoverable(text);
-        let findings: Vec<Finding> = errors
-            .iter()
-            .map(|error| Finding {
-                origin: Origin::Text(error.span().map_or(0, |span| span.start)),
-                path: String::new(),
-                message: format!("this is not valid TOML: {}", error.message()),
-            })
-            .collect();
+        let findings = syntax_findings(text, &errors);
         let mut document = Self {
             label: label.to_owned(),
             text: text.to_owned(),
@@ -50,11 +43,7 @@ impl SceneDocument {
             Ok(editable) => document.editable = editable,
             Err(error) => {
                 let start = toml_edit::TomlError::span(&error).map_or(0, |span| span.start);
-                return Err(document.invalid(vec![Finding {
-                    origin: Origin::Text(start),
-                    path: String::new(),
-                    message: format!("this is not valid TOML: {}", error.message()),
-                }]));
+                return Err(document.invalid(vec![syntax_finding(start, error.message())]));
             }
         }
         Ok(document)
@@ -166,6 +155,38 @@ impl SceneDocument {
     }
 }
 
+/// Lines with broken syntax that are told; one open bracket makes every line below it look broken.
+const SYNTAX_LINES: usize = 5;
+
+/// The first error of each of the first few broken lines.
+fn syntax_findings(text: &str, errors: &[toml::de::Error]) -> Vec<Finding> {
+    let mut findings: Vec<Finding> = Vec::new();
+    let mut lines: Vec<usize> = Vec::new();
+    for error in errors {
+        let byte = error.span().map_or(0, |span| span.start);
+        let line = floor_to_char(text, byte).matches('\n').count();
+        if lines.contains(&line) || lines.len() == SYNTAX_LINES {
+            continue;
+        }
+        lines.push(line);
+        findings.push(syntax_finding(byte, error.message()));
+    }
+    findings
+}
+
+fn syntax_finding(byte: usize, reason: &str) -> Finding {
+    let hint = if reason.contains("array") {
+        " (is a `[` left open above?)"
+    } else {
+        ""
+    };
+    Finding {
+        origin: Origin::Text(byte),
+        path: String::new(),
+        message: format!("this is not valid TOML: {reason}{hint}"),
+    }
+}
+
 /// The text up to `byte`, or to the start of the character that `byte` is in.
 fn floor_to_char(text: &str, byte: usize) -> &str {
     let mut end = byte.min(text.len());
@@ -214,6 +235,9 @@ fn put_in_tree(node: &mut Node, steps: &[Segment], value: Node, number: usize) {
                 entries[index].key_origin = Origin::Override(number);
             }
             put_in_tree(&mut entries[index].node, rest, value, number);
+            if rest.is_empty() {
+                entries.retain(|entry| !path::rivals_of(key).any(|rival| rival == entry.key));
+            }
         }
         _ => {}
     }
@@ -273,6 +297,11 @@ fn put_in_table(
     }
     if let Some(next) = table.get_mut(key) {
         put(next);
+    }
+    if rest.is_empty() {
+        for rival in path::rivals_of(key) {
+            table.remove(rival);
+        }
     }
 }
 

@@ -53,6 +53,7 @@ impl Findings {
         self.asked.borrow_mut().insert((pattern.to_owned(), key));
     }
 
+    #[cfg(test)]
     /// Every key that was asked for, with the pattern of its table.
     pub fn asked(&self) -> BTreeSet<(String, &'static str)> {
         self.asked.borrow().clone()

@@ -5,8 +5,8 @@ mod cross_checks;
 mod settings;
 
 use super::description::{GROUND, Ground, SceneDescription};
-use super::presets::{self, PRESETS};
 use super::findings::Findings;
+use super::presets::{self, PRESETS};
 use super::quantity::Quantity;
 use super::reader::Table;
 use super::tree::Node;
@@ -137,13 +137,7 @@ fn read_friction(table: &mut Table) -> Option<f64> {
     let coefficient = table.number("friction", Quantity::not_negative("coefficient"));
     let right_angle = Quantity::not_negative("degrees").up_to(89.0);
     let angle = table.number("friction_angle", right_angle);
-    if table.has("friction") && table.has("friction_angle") {
-        let message = format!(
-            "`{}` says the same as `friction`; keep one of them",
-            table.name_of("friction_angle")
-        );
-        table.problem("friction_angle", message);
-    }
+    table.refuse_rivals("friction");
     coefficient.or(angle.map(|degrees| degrees.to_radians().tan()))
 }
 

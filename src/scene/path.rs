@@ -1,6 +1,6 @@
 //! Paths into a scene: `bodies.hammer.velocity[2]`, `materials.glass.density`.
 
-use super::presets;
+use super::presets::PRESETS;
 use super::problem::suggestion;
 use super::tree::{Node, Origin, Value};
 
@@ -15,6 +15,24 @@ pub(super) enum Segment {
 
 /// Tables whose keys are names chosen by the scene's author: an override must name one that is there.
 const NAMED_TABLES: [&str; 2] = ["materials", "cameras"];
+
+/// Keys that say the same thing in different words: a table may have one of each group, and an override
+/// with one of them takes the place of the others.
+pub(super) const RIVALS: [&[&str]; 3] = [
+    &["friction", "friction_angle"],
+    &["refinement", "element_size", "cells"],
+    &["shape", "mesh"],
+];
+
+/// The keys that a key takes the place of.
+pub(super) fn rivals_of(key: &str) -> impl Iterator<Item = &'static str> {
+    let group = RIVALS.iter().find(|group| group.contains(&key));
+    let key = key.to_owned();
+    group
+        .into_iter()
+        .flat_map(|group| group.iter().copied())
+        .filter(move |rival| *rival != key)
+}
 
 /// A path and one more step; either may be empty.
 pub(super) fn join(path: &str, key: &str) -> String {
@@ -71,16 +89,22 @@ pub(super) fn resolve(root: &Node, parts: &[&str]) -> Result<Vec<Segment>, Strin
     let mut node = Some(root);
     for (depth, part) in parts.iter().enumerate() {
         let before = || parts[..depth].join(".");
+        if let [table] = parts[..depth] {
+            refuse_unknown_name(node, table, part)?;
+        }
         let Some(current) = node else {
+            if part.parse::<usize>().is_ok() {
+                return Err(format!(
+                    "`{}` is not in the scene's text, so it has no number {part}; set it as a whole",
+                    before()
+                ));
+            }
             steps.push(Segment::Key((*part).to_owned()));
             continue;
         };
         match &current.value {
             Value::Table(_) => {
                 node = current.get(part);
-                if node.is_none() {
-                    refuse_unknown_name(current, &parts[..depth], part)?;
-                }
                 steps.push(Segment::Key((*part).to_owned()));
             }
             Value::List(items) => {
@@ -101,19 +125,22 @@ pub(super) fn resolve(root: &Node, parts: &[&str]) -> Result<Vec<Segment>, Strin
     Ok(steps)
 }
 
-/// Refuses to invent a material or a camera, which would silently be used by nothing.
-fn refuse_unknown_name(table: &Node, before: &[&str], name: &str) -> Result<(), String> {
-    let [parent] = before else {
-        return Ok(());
-    };
-    let preset = *parent == "materials" && presets::find(name).is_some();
-    if preset || !NAMED_TABLES.contains(parent) {
+/// Refuses to invent a material or a camera, which would silently be used by nothing. Materials of the
+/// library need no entry of their own to be changed.
+fn refuse_unknown_name(node: Option<&Node>, table: &str, name: &str) -> Result<(), String> {
+    if !NAMED_TABLES.contains(&table) {
         return Ok(());
     }
-    let names = table.entries().unwrap_or_default().iter();
+    let entries = node.and_then(Node::entries).unwrap_or_default();
+    let own = entries.iter().map(|entry| entry.key.as_str());
+    let library = PRESETS.iter().map(|preset| preset.name);
+    let names = own.chain(library.filter(|_| table == "materials"));
+    if names.clone().any(|known| known == name) {
+        return Ok(());
+    }
+    let hint = suggestion(name, names);
     Err(format!(
-        "there is nothing called `{name}` in `{parent}`{}",
-        suggestion(name, names.map(|entry| entry.key.as_str()))
+        "there is nothing called `{name}` in `{table}`{hint}"
     ))
 }
 
@@ -123,7 +150,7 @@ fn list_index(items: &[Node], part: &str) -> Result<usize, String> {
             Ok(index)
         } else {
             Err(format!(
-                "has {} entries, numbered from 0, so there is no number {index}",
+                "has no number {index}: it has {}, counted from 0",
                 items.len()
             ))
         };

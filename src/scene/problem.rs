@@ -98,7 +98,12 @@ pub(super) fn nearest<'a>(
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
     let wanted = wanted.to_lowercase();
-    let allowed = (wanted.chars().count() / 3).max(2);
+    let length = wanted.chars().count();
+    let allowed = if length <= 3 {
+        length / 2
+    } else {
+        (length / 3).max(2)
+    };
     candidates
         .into_iter()
         .map(|candidate| (distance(&wanted, &candidate.to_lowercase()), candidate))
@@ -126,7 +131,8 @@ pub(super) fn suggestion<'a>(
     if let Some(name) = nearest(wanted, candidates.clone()) {
         return format!("; did you mean `{name}`?");
     }
-    let names: Vec<String> = candidates.into_iter().map(|n| format!("`{n}`")).collect();
+    let mut names: Vec<String> = candidates.into_iter().map(|n| format!("`{n}`")).collect();
+    names.dedup();
     if names.is_empty() {
         String::new()
     } else {

@@ -8,7 +8,7 @@
 //! handed back, and the caller goes on. [`Findings::into_problems`] tells at the end.
 
 use super::findings::{Findings, Stranger};
-use super::path::join;
+use super::path::{join, rivals_of};
 use super::problem::suggestion;
 use super::quantity::Quantity;
 use super::tree::{Entry, Node, Origin, Value};
@@ -53,6 +53,19 @@ impl<'a> Table<'a> {
             .entry(key)
             .map_or(self.origin, |entry| entry.node.origin);
         self.findings.add(origin, &join(&self.path, key), message);
+    }
+
+    /// Reports a table that has more than one key of the group of rivals that `key` belongs to.
+    pub fn refuse_rivals(&self, key: &'static str) {
+        let group = std::iter::once(key).chain(rivals_of(key));
+        let present: Vec<&str> = group.filter(|rival| self.has(rival)).collect();
+        if let [first, .., last] = present[..] {
+            let message = format!(
+                "`{}` and `{first}` exclude each other; keep one of them",
+                self.name_of(last)
+            );
+            self.problem(last, message);
+        }
     }
 
     /// The full path of a key, for messages.

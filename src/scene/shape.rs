@@ -70,10 +70,8 @@ impl Shape {
     pub(super) fn read(body: &mut Table) -> Self {
         let file = body.table("mesh").map(read_mesh_file);
         let shape = body.table("shape").and_then(read_built_in);
-        if body.has("shape") && body.has("mesh") {
-            let message = format!("`{}` and `shape` exclude each other", body.name_of("mesh"));
-            body.problem("mesh", message);
-        } else if !body.has("mesh") {
+        body.refuse_rivals("shape");
+        if !body.has("mesh") {
             body.require("shape", "a built-in shape, or `mesh` for a mesh file");
         }
         file.or(shape).unwrap_or(Self::BuiltIn {
@@ -133,14 +131,7 @@ fn read_meshing(table: &mut Table, has_cells: bool) -> Meshing {
     } else {
         None
     };
-    let keys = ["refinement", "element_size", "cells"];
-    if keys.iter().filter(|key| table.has(key)).count() > 1 {
-        let message = format!(
-            "`{}` takes only one of `refinement`, `element_size` and `cells`",
-            table.path()
-        );
-        table.problem("", message);
-    }
+    table.refuse_rivals("cells");
     let splits = [("six", HexSplit::Six), ("five", HexSplit::Five)];
     Meshing {
         resolution: cells.or(element_size).or(refinement).unwrap_or_default(),

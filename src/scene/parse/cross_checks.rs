@@ -1,10 +1,10 @@
 //! What the parts of a scene say about each other: names that must exist, names that must differ.
 
 use super::super::description::{Body, BodyMaterial, GROUND, SceneDescription};
+use super::super::findings::Findings;
 use super::super::path;
 use super::super::presets::PRESETS;
 use super::super::problem::suggestion;
-use super::super::findings::Findings;
 use super::super::tree::Node;
 use super::is_ground;
 
