@@ -19,3 +19,11 @@ fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
 fn fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
     return textureLoad(picture, vec2<i32>(pixel.xy - placement.origin), 0);
 }
+
+// For targets that encode by themselves.
+@fragment
+fn linear_fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
+    let srgb = textureLoad(picture, vec2<i32>(pixel.xy - placement.origin), 0).rgb;
+    let curve = pow((srgb + 0.055) / 1.055, vec3<f32>(2.4));
+    return vec4<f32>(select(curve, srgb / 12.92, srgb <= vec3<f32>(0.04045)), 1.0);
+}

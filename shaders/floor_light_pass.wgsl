@@ -21,10 +21,19 @@ fn vertex(@builtin(vertex_index) index: u32) -> VertexOutput {
     return VertexOutput(vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0), corner);
 }
 
-fn disk_tap(i: i32, count: i32) -> vec2<f32> {
+// Evenly over the unit disk. Each of 4x4 neighbouring texels turns the pattern by another share
+// of its pitch; the blur that follows averages just these sixteen, which leaves no pattern.
+fn disk_tap(i: i32, count: i32, turn: f32) -> vec2<f32> {
     let radius = sqrt((f32(i) + 0.5) / f32(count));
-    let angle = f32(i) * GOLDEN_ANGLE;
+    let angle = f32(i) * GOLDEN_ANGLE + turn;
     return radius * vec2<f32>(cos(angle), sin(angle));
+}
+
+fn turn_at(texel: vec2<f32>) -> f32 {
+    let cell = vec2<i32>(texel) & vec2<i32>(3);
+    // A magic order: neighbours differ much.
+    let order = (cell.x * 5 + cell.y * 11) & 15;
+    return f32(order) * (6.2831853 / 16.0);
 }
 
 // Depth in the shadow map at texture coordinates; 1 where nothing is in the light's way.
@@ -38,7 +47,7 @@ fn blocker_depth(uv: vec2<f32>, size: vec2<f32>) -> f32 {
 // The share of the key light that arrives. All casters are above the floor, so whatever the map
 // holds is in the way: no depths are compared and no bias is needed. The farther the caster, the
 // softer its shadow.
-fn key_visibility(point: vec3<f32>) -> f32 {
+fn key_visibility(point: vec3<f32>, turn: f32) -> f32 {
     let projected = frame.shadow_from_world * vec4<f32>(point, 1.0);
     let uv = vec2<f32>(0.5 + 0.5 * projected.x, 0.5 - 0.5 * projected.y);
     let size = vec2<f32>(textureDimensions(shadow_map));
@@ -48,7 +57,7 @@ fn key_visibility(point: vec3<f32>) -> f32 {
     var blockers = 0.0;
     var depth_sum = 0.0;
     for (var i = 0; i < SHADOW_TAPS; i++) {
-        let depth = blocker_depth(uv + disk_tap(i, SHADOW_TAPS) * farthest, size);
+        let depth = blocker_depth(uv + disk_tap(i, SHADOW_TAPS, turn) * farthest, size);
         if depth < 1.0 {
             blockers += 1.0;
             depth_sum += depth;
@@ -61,19 +70,19 @@ fn key_visibility(point: vec3<f32>) -> f32 {
     let radius = max(distance * frame.light_spread / side, 1.2 / size.x);
     var open = 0.0;
     for (var i = 0; i < SHADOW_TAPS; i++) {
-        open += step(1.0, blocker_depth(uv + disk_tap(i, SHADOW_TAPS) * radius, size));
+        open += step(1.0, blocker_depth(uv + disk_tap(i, SHADOW_TAPS, turn) * radius, size));
     }
     return open / f32(SHADOW_TAPS);
 }
 
 // The share of ambient light that arrives: what hangs low nearby takes some.
-fn ambient_visibility(place: vec2<f32>) -> f32 {
+fn ambient_visibility(place: vec2<f32>, turn: f32) -> f32 {
     let size = vec2<f32>(textureDimensions(height_map));
     let radius = frame.floor_reach / frame.floor_map_side;
     var taken = 0.0;
     var weights = 0.0;
     for (var i = 0; i < AMBIENT_TAPS; i++) {
-        let tap = disk_tap(i, AMBIENT_TAPS);
+        let tap = disk_tap(i, AMBIENT_TAPS, turn);
         let near = 1.0 - 0.8 * length(tap);
         let uv = place + tap * radius;
         var height = 1.0;
@@ -90,5 +99,6 @@ fn ambient_visibility(place: vec2<f32>) -> f32 {
 fn fragment(in: VertexOutput) -> @location(0) vec2<f32> {
     let ground = frame.floor_map_low + in.place * frame.floor_map_side;
     let point = vec3<f32>(ground, frame.floor_height);
-    return vec2<f32>(key_visibility(point), ambient_visibility(in.place));
+    let turn = turn_at(in.position.xy);
+    return vec2<f32>(key_visibility(point, turn), ambient_visibility(in.place, turn));
 }

@@ -32,7 +32,7 @@ fn floor_fragment(in: FloorVertex) -> @location(0) vec4<f32> {
     let lit = mix(background, frame.floor_color, floor_share);
     let ambient = 1.0 - (1.0 - light.g) * 0.75;
     let key = 1.0 - (1.0 - light.r) * frame.shadow_strength;
-    return vec4<f32>(lit * key * ambient, 1.0);
+    return encoded(lit * key * ambient);
 }
 
 // One triangle over the whole picture, at the depth of infinity.
@@ -44,5 +44,5 @@ fn background_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) ve
 
 @fragment
 fn background_fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
-    return vec4<f32>(background_at(pixel.xy), 1.0);
+    return encoded(background_at(pixel.xy));
 }

@@ -68,9 +68,14 @@ fn key_visibility(world: vec3<f32>, normal: vec3<f32>, facing: f32) -> f32 {
 
 // How much of an element edge covers the pixel.
 fn edge_cover(corner: vec3<f32>) -> f32 {
-    let pixels = corner / max(fwidth(corner), vec3<f32>(1e-6));
+    let per_pixel = max(fwidth(corner), vec3<f32>(1e-6));
+    let pixels = corner / per_pixel;
     let nearest = min(pixels.x, min(pixels.y, pixels.z));
-    return 1.0 - smoothstep(0.5 * frame.wire_width - 0.5, 0.5 * frame.wire_width + 0.5, nearest);
+    let half = 0.5 * frame.wire_width;
+    let cover = 1.0 - smoothstep(half - 0.5, half + 0.5, nearest);
+    // Elements of a few pixels would drown in their edges.
+    let height = 1.0 / max(per_pixel.x, max(per_pixel.y, per_pixel.z));
+    return cover * mix(0.25, 1.0, smoothstep(2.0, 9.0, height / frame.wire_width));
 }
 
 // Keeps highlights from clipping to flat white.
@@ -100,11 +105,17 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     if facing > 0.0 {
         key = facing * key_visibility(in.world, normal, facing);
     }
-    let ambient = mix(frame.bounce_light, frame.sky_light, 0.5 + 0.5 * normal.z);
+    // Near the floor, less light comes from below.
+    let above_floor = max(in.world.z - frame.floor_height, 0.0) / frame.floor_reach;
+    let enclosed = exp(-2.5 * above_floor) * (0.5 - 0.5 * normal.z);
+    let ambient = mix(frame.bounce_light, frame.sky_light, 0.5 + 0.5 * normal.z)
+        * (1.0 - 0.7 * enclosed);
     let half_way = normalize(to_eye + frame.towards_light);
     let highlight = pow(saturate(dot(normal, half_way)), 48.0) * 0.22 * gloss;
     let grazing = 1.0 - saturate(dot(normal, to_eye));
-    let rim = frame.rim_light * (grazing * grazing * grazing * gloss);
+    let fresnel = (0.05 + 0.6 * grazing * grazing * grazing * grazing) * gloss;
+    let mirrored = reflect(-to_eye, normal);
+    let rim = frame.rim_light * (fresnel * smoothstep(-0.25, 0.55, mirrored.z));
 
     var light = frame.key_light * key + ambient;
     if has_value {
@@ -115,5 +126,5 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     if frame.wireframe > 0.0 {
         color = mix(color, frame.wire_color, edge_cover(in.corner) * frame.wire_opacity);
     }
-    return vec4<f32>(shoulder(color), 1.0);
+    return encoded(shoulder(color));
 }

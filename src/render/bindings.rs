@@ -4,8 +4,8 @@ use wgpu::BindingType;
 
 /// Samples per pixel of the scene.
 pub(crate) const SAMPLES: u32 = 4;
-/// Format of the scene before it reaches the target: shading is linear, storage is sRGB.
-pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// Format of the scene before it reaches the target. Shaders encode to sRGB themselves.
+pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of all depth textures.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 

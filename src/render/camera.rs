@@ -143,13 +143,13 @@ pub struct Ray {
 }
 
 impl Camera {
-    /// A camera that sees all of a box, as large as the picture allows.
+    /// A camera that sees all of the points, as large as the picture allows.
     ///
     /// `aspect` is width over height; `margin` is the share of the picture left free at each
     /// side, from 0 to below 0.5.
     #[must_use]
     pub fn framing(
-        (low_m, high_m): (Vec3, Vec3),
+        points_m: &[Vec3],
         (yaw_rad, pitch_rad): (f32, f32),
         aspect: f32,
         margin: f32,
@@ -159,22 +159,30 @@ impl Camera {
             pitch_rad,
             ..Self::default()
         };
-        camera.fit(low_m, high_m, aspect, margin);
+        camera.fit(points_m, aspect, margin);
         camera
     }
 
-    /// Moves and dollies, without turning, so that a box just fits into the picture.
-    pub fn fit(&mut self, low_m: Vec3, high_m: Vec3, aspect: f32, margin: f32) {
-        let center = 0.5 * (low_m + high_m);
-        let half = 0.5 * (high_m - low_m).max(Vec3::splat(1e-4));
+    /// Moves and dollies, without turning, so that all points just fit into the picture; without
+    /// points it stays.
+    pub fn fit(&mut self, points_m: &[Vec3], aspect: f32, margin: f32) {
         let [right, up, back] = self.axes();
         let slope_y = (0.5 * self.fov_y_rad).tan() * (1.0 - 2.0 * margin.clamp(0.0, 0.45));
         let slope_x = slope_y * aspect.max(1e-3);
-        let corners = box_corners(half).map(|c| Vec3::new(c.dot(right), c.dot(up), c.dot(back)));
-        let (x, distance_x) = fit_axis(corners.map(|c| (c.x, c.z)), slope_x);
-        let (y, distance_y) = fit_axis(corners.map(|c| (c.y, c.z)), slope_y);
-        self.target_m = center + right * x + up * y;
-        self.distance_m = distance_x.max(distance_y);
+        let along = |axis: Vec3| points_m.iter().map(move |p| (p.dot(axis), p.dot(back)));
+        let (Some((x, eye_x)), Some((y, eye_y))) = (
+            fit_axis(along(right), slope_x),
+            fit_axis(along(up), slope_y),
+        ) else {
+            return;
+        };
+        let nearest = points_m.iter().map(|p| p.dot(back));
+        let (low, high) = nearest.fold((f32::MAX, f32::MIN), |(low, high), z| {
+            (low.min(z), high.max(z))
+        });
+        let middle = 0.5 * (low + high);
+        self.target_m = right * x + up * y + back * middle;
+        self.distance_m = (eye_x.max(eye_y) - middle).max(1e-3);
     }
 
     /// Unit vectors to the right, up, and back towards the viewer; well defined straight from
@@ -264,27 +272,16 @@ impl Camera {
     }
 }
 
-fn box_corners(half: Vec3) -> [Vec3; 8] {
-    std::array::from_fn(|i| {
-        let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
-        half * Vec3::new(sign(1), sign(2), sign(4))
-    })
-}
-
-/// Along one axis of the picture: the shift and the smallest distance at which points
-/// `(across, towards the viewer)` lie between two planes of the given slope through the eye.
+/// Along one axis of the picture: where the eye must be, across and towards the viewer, to see
+/// points `(across, towards)` between two planes of the given slope; `None` without points.
 ///
-/// The eye at `(e, d)` sees a point if `|a - e| <= slope (d - t)`; adding the tightest of both
-/// sides gives `d`, subtracting gives `e`.
-fn fit_axis(points: [(f32, f32); 8], slope: f32) -> (f32, f32) {
-    let reach = |sign: f32| {
-        points
-            .iter()
-            .map(|(across, towards)| sign * across + slope * towards)
-            .fold(f32::NEG_INFINITY, f32::max)
-    };
-    let (plus, minus) = (reach(1.0), reach(-1.0));
-    (0.5 * (plus - minus), 0.5 * (plus + minus) / slope)
+/// The eye at `(e, d)` sees a point `(a, t)` if `|a - e| <= slope (d - t)`; adding the tightest of
+/// both sides gives `d`, subtracting gives `e`.
+fn fit_axis(points: impl Iterator<Item = (f32, f32)>, slope: f32) -> Option<(f32, f32)> {
+    let reach = points
+        .map(|(across, towards)| (across + slope * towards, -across + slope * towards))
+        .reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)));
+    reach.map(|(plus, minus)| (0.5 * (plus - minus), 0.5 * (plus + minus) / slope))
 }
 
 #[cfg(test)]
@@ -309,18 +306,26 @@ mod tests {
 
     #[test]
     fn fitted_box_touches_the_margin_from_every_view() {
-        let (low, high) = (Vec3::new(-0.2, 1.0, 0.0), Vec3::new(0.6, 1.5, 2.0));
+        let corners: [Vec3; 8] = std::array::from_fn(|i| {
+            let pick = |bit: usize, a: f32, b: f32| if i & bit == 0 { a } else { b };
+            Vec3::new(pick(1, -0.2, 0.6), pick(2, 1.0, 1.5), pick(4, 0.0, 2.0))
+        });
         for view in NamedView::ALL {
-            let camera = Camera::framing((low, high), view.angles_rad(), ASPECT, 0.1);
-            let center = 0.5 * (low + high);
-            let seen = box_corners(0.5 * (high - low))
-                .map(|c| camera.picture_position(center + c, ASPECT).unwrap());
+            let camera = Camera::framing(&corners, view.angles_rad(), ASPECT, 0.1);
+            let seen = corners.map(|c| camera.picture_position(c, ASPECT).unwrap());
             let low_seen = seen.iter().copied().reduce(Vec2::min).unwrap();
             let high_seen = seen.iter().copied().reduce(Vec2::max).unwrap();
             let slack = (low_seen - 0.1).min(0.9 - high_seen);
             assert!(slack.min_element() > -1e-3, "{view:?} {slack}");
             assert!(slack.min_element() < 1e-3, "{view:?} {slack}");
         }
+    }
+
+    #[test]
+    fn nothing_to_fit_leaves_the_camera_alone() {
+        let mut camera = Camera::default();
+        camera.fit(&[], ASPECT, 0.1);
+        assert_eq!(camera, Camera::default());
     }
 
     #[test]

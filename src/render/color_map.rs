@@ -103,16 +103,6 @@ pub fn srgb_from_linear(linear: f32) -> f32 {
     }
 }
 
-/// The inverse of [`srgb_from_linear`].
-#[must_use]
-pub fn linear_from_srgb(srgb: f32) -> f32 {
-    if srgb <= 0.040_45 {
-        srgb / 12.92
-    } else {
-        ((srgb + 0.055) / 1.055).powf(2.4)
-    }
-}
-
 /// A channel 0..1 as a byte, rounded and clamped.
 #[must_use]
 pub fn to_byte(channel: f32) -> u8 {
@@ -122,6 +112,14 @@ pub fn to_byte(channel: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn linear_from_srgb(srgb: f32) -> f32 {
+        if srgb <= 0.040_45 {
+            srgb / 12.92
+        } else {
+            ((srgb + 0.055) / 1.055).powf(2.4)
+        }
+    }
 
     fn luminance([r, g, b]: [f32; 3]) -> f32 {
         0.2126 * linear_from_srgb(r) + 0.7152 * linear_from_srgb(g) + 0.0722 * linear_from_srgb(b)

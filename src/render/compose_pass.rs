@@ -10,8 +10,6 @@ pub(crate) struct ComposePass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
     placement: wgpu::Buffer,
-    /// How the finished scene is read, so that its bytes arrive unchanged in the target.
-    read_format: TextureFormat,
 }
 
 /// The textures of one picture size.
@@ -32,17 +30,19 @@ impl ComposePass {
         let layout = bindings::layout(device, "compose pass", &types);
         let shader = bindings::shader(device, "compose pass", WGSL);
         let layouts = [&layout];
-        let parts = PipelineParts::full_screen("compose pass", &shader, &layouts, target_format);
-        let read_format = if target_format.is_srgb() {
-            SCENE_FORMAT
+        let entry = if target_format.is_srgb() {
+            "linear_fragment"
         } else {
-            SCENE_FORMAT.remove_srgb_suffix()
+            "fragment"
+        };
+        let parts = PipelineParts {
+            fragment: Some((entry, target_format)),
+            ..PipelineParts::full_screen("compose pass", &shader, &layouts, target_format)
         };
         Self {
             pipeline: parts.build(device),
             placement: bindings::uniform_buffer::<[f32; 4]>(device, "placement"),
             layout,
-            read_format,
         }
     }
 
@@ -60,29 +60,24 @@ impl ComposePass {
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: usage | TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[SCENE_FORMAT, SCENE_FORMAT.remove_srgb_suffix()]
-                    [..if sample_count == 1 { 2 } else { 0 }],
+                view_formats: &[],
             })
         };
         let none = TextureUsages::empty();
         let color = texture("scene colour", SCENE_FORMAT, SAMPLES, none);
         let depth = texture("scene depth", DEPTH_FORMAT, SAMPLES, none);
         let resolved = texture("scene", SCENE_FORMAT, 1, TextureUsages::TEXTURE_BINDING);
-        let read = resolved.create_view(&wgpu::TextureViewDescriptor {
-            format: Some(self.read_format),
-            usage: Some(TextureUsages::TEXTURE_BINDING),
-            ..Default::default()
-        });
+        let resolved = bindings::whole(&resolved);
         let resources = [
-            BindingResource::TextureView(&read),
+            BindingResource::TextureView(&resolved),
             self.placement.as_entire_binding(),
         ];
         SceneTextures {
             size_px,
             color: bindings::whole(&color),
             depth: bindings::whole(&depth),
-            resolved: bindings::whole(&resolved),
             group: bindings::group(device, &self.layout, &resources),
+            resolved,
         }
     }
 

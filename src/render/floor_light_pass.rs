@@ -7,7 +7,8 @@ use wgpu::BindingResource;
 
 pub(crate) const WGSL: &str = include_str!("../../shaders/floor_light_pass.wgsl");
 
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
+/// Two channels are enough, and eight bits for what is at most a shade of grey.
+pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 
 #[derive(Debug)]
 pub(crate) struct FloorLightPass {
@@ -42,22 +43,30 @@ impl FloorLightPass {
     }
 
     pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, frame: &FrameBinding) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("floor light pass"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.map,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
+        let mut pass = begin(encoder, &self.map);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &frame.group, &[]);
         pass.set_bind_group(1, &self.group, &[]);
         pass.draw(0..3, 0..1);
     }
+}
+
+/// Starts drawing over all of a floor map.
+pub(crate) fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    map: &wgpu::TextureView,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("floor map"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: map,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        ..Default::default()
+    })
 }

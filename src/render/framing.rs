@@ -29,6 +29,9 @@ type Bounds = (Vec3, Vec3);
 pub struct Framing {
     moving: Option<Bounds>,
     last_moving: Option<Bounds>,
+    /// Of all moving points so far, the farthest along each of [`directions`]: much tighter than
+    /// a box, and still a few numbers for a whole animation.
+    extremes: Vec<Vec3>,
     fixed: Vec<FixedBody>,
 }
 
@@ -60,6 +63,25 @@ impl Framing {
             .reduce(union);
         self.last_moving = moving.or(self.last_moving);
         self.moving = [self.moving, moving].into_iter().flatten().reduce(union);
+        self.include_extremes(frame);
+    }
+
+    fn include_extremes(&mut self, frame: &Frame) {
+        let bodies = frame.bodies.iter().filter(|b| b.role != BodyRole::Fixed);
+        let points = bodies.flat_map(points_of).chain(self.extremes.clone());
+        let mut best: Vec<(f32, Vec3)> = Vec::new();
+        for point in points {
+            if best.is_empty() {
+                best = directions().map(|_| (f32::MIN, point)).collect();
+            }
+            for ((reach, extreme), direction) in best.iter_mut().zip(directions()) {
+                let along = point.dot(direction);
+                if along > *reach {
+                    (*reach, *extreme) = (along, point);
+                }
+            }
+        }
+        self.extremes = best.into_iter().map(|(_, point)| point).collect();
     }
 
     /// The floor: in place of a large level fixed body below everything that moves, else under
@@ -95,40 +117,63 @@ impl Framing {
         body.is_level_slab && reaches_under && fixed_high.z <= low.z + 0.02 * size
     }
 
-    /// The box the automatic camera shows, metres; `None` when there is nothing to draw.
+    /// The points the automatic camera shows, metres; empty when there is nothing to draw.
     #[must_use]
-    pub fn shown_m(&self) -> Option<Bounds> {
+    pub fn shown_points_m(&self) -> Vec<Vec3> {
         let floor = self.floor();
-        let is_floor = |body: &FixedBody| floor.and_then(|f| f.replaces) == Some(body.index);
-        let Some(moving) = self.moving_shown() else {
-            return self.fixed.iter().map(|body| body.bounds).reduce(union);
+        let (Some(last), Some(_)) = (self.last_moving, self.moving) else {
+            let fixed = self.fixed.iter().flat_map(|body| corners(body.bounds));
+            return fixed.collect();
         };
-        let mut shown = moving;
+        let limit = widened(last, LONGEST_FLIGHT);
+        let mut shown: Vec<Vec3> = self
+            .extremes
+            .iter()
+            .map(|p| p.clamp(limit.0, limit.1))
+            .collect();
+        let is_floor = |body: &&FixedBody| floor.and_then(|f| f.replaces) == Some(body.index);
+        let near = widened(last, LARGEST_FIXED);
         for body in self.fixed.iter().filter(|body| !is_floor(body)) {
-            shown = union(shown, clipped(body.bounds, widened(moving, LARGEST_FIXED)));
+            shown.extend(corners(clipped(body.bounds, near)));
         }
         if let Some(floor) = floor {
             // The floor belongs to the picture if it is near.
-            let near = moving.0.z - LARGEST_FIXED * longest_side(moving);
-            shown.0.z = shown.0.z.min(floor.height_m.max(near));
+            let height = floor.height_m.clamp(near.0.z, near.1.z);
+            let middle = 0.5 * (last.0 + last.1);
+            shown.push(middle.truncate().extend(height));
         }
-        Some(shown)
-    }
-
-    fn moving_shown(&self) -> Option<Bounds> {
-        let (all, last) = (self.moving?, self.last_moving?);
-        Some(clipped(all, widened(last, LONGEST_FLIGHT)))
+        shown
     }
 
     /// The automatic camera: sees everything, from a named direction; `aspect` is the picture's
     /// width over its height. Without anything to see it is the default camera.
     #[must_use]
     pub fn camera(&self, view: NamedView, aspect: f32) -> Camera {
-        match self.shown_m() {
-            Some(bounds) => Camera::framing(bounds, view.angles_rad(), aspect, MARGIN),
-            None => Camera::default(),
+        let points = self.shown_points_m();
+        if points.is_empty() {
+            return Camera::default();
         }
+        Camera::framing(&points, view.angles_rad(), aspect, MARGIN)
     }
+
+    /// Moves a camera, without turning it, so that it sees everything.
+    pub fn fit(&self, camera: &mut Camera, aspect: f32) {
+        camera.fit(&self.shown_points_m(), aspect, MARGIN);
+    }
+}
+
+/// Towards the sides, edges and corners of a cube: 26 directions.
+fn directions() -> impl Iterator<Item = Vec3> {
+    let third = |i: i32, n: i32| (i / n % 3 - 1) as f32;
+    let all = (0..27).map(move |i| Vec3::new(third(i, 1), third(i, 3), third(i, 9)));
+    all.filter_map(Vec3::try_normalize)
+}
+
+fn corners((low, high): Bounds) -> [Vec3; 8] {
+    std::array::from_fn(|i| {
+        let pick = |bit: usize, axis: usize| if i & bit == 0 { low[axis] } else { high[axis] };
+        Vec3::new(pick(1, 0), pick(2, 1), pick(4, 2))
+    })
 }
 
 fn fixed_bodies(frame: &Frame) -> Vec<FixedBody> {
@@ -168,12 +213,13 @@ fn is_level_slab(body: &BodyFrame, (low, high): Bounds) -> bool {
     covered_m2 > 0.0 && covered_m2 > 0.95 * size.x * size.y
 }
 
-fn bounds_of(body: &BodyFrame) -> Option<Bounds> {
+fn points_of(body: &BodyFrame) -> impl Iterator<Item = Vec3> + '_ {
     let points = body.positions_m.iter().map(|p| Vec3::from(*p));
-    points
-        .filter(|p| p.is_finite())
-        .map(|p| (p, p))
-        .reduce(union)
+    points.filter(|p| p.is_finite())
+}
+
+fn bounds_of(body: &BodyFrame) -> Option<Bounds> {
+    points_of(body).map(|p| (p, p)).reduce(union)
 }
 
 fn union(a: Bounds, b: Bounds) -> Bounds {
@@ -205,13 +251,9 @@ mod tests {
 
     /// Only the top and bottom of a box: enough for framing.
     fn slab(role: BodyRole, low: Vec3, high: Vec3) -> BodyFrame {
-        let corner = |i: usize| {
-            let pick = |bit: usize, axis: usize| if i & bit == 0 { low[axis] } else { high[axis] };
-            [pick(1, 0), pick(2, 1), pick(4, 2)]
-        };
         BodyFrame {
             role,
-            positions_m: (0..8).map(corner).collect(),
+            positions_m: corners((low, high)).map(Vec3::into).to_vec(),
             surface: Arc::new(SurfaceTopology {
                 triangles: vec![[4, 5, 7], [4, 7, 6], [0, 3, 1], [0, 2, 3]],
                 ..Default::default()
@@ -274,8 +316,9 @@ mod tests {
         };
         let mut framing = Framing::of(&at(10.0));
         framing.include(&at(0.0));
-        let (low, high) = framing.shown_m().unwrap();
-        assert!(high.z - low.z < 1.0 && low.z == 0.0, "{low} {high}");
+        let heights = framing.shown_points_m().into_iter().map(|p| p.z);
+        let (low, high) = heights.fold((9.0, -9.0), |(l, h): (f32, f32), z| (l.min(z), h.max(z)));
+        assert!(high - low < 1.0 && low == 0.0, "{low} {high}");
     }
 
     #[test]

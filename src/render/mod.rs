@@ -38,6 +38,7 @@ mod camera;
 mod color_map;
 mod compose_pass;
 mod depth_pass;
+mod floor_blur_pass;
 mod floor_light_pass;
 mod floor_pass;
 mod frame_uniforms;
@@ -67,10 +68,11 @@ mod tests {
     use super::*;
 
     /// Every shader, as the device gets it.
-    fn shaders() -> [(&'static str, String); 5] {
+    fn shaders() -> [(&'static str, String); 6] {
         let with_prelude = frame_uniforms::with_prelude;
         [
             ("depth_pass", depth_pass::WGSL.to_owned()),
+            ("floor_blur_pass", floor_blur_pass::WGSL.to_owned()),
             ("floor_light_pass", with_prelude(floor_light_pass::WGSL)),
             ("floor_pass", with_prelude(floor_pass::WGSL)),
             ("surface_pass", with_prelude(surface_pass::WGSL)),

@@ -59,18 +59,36 @@ impl Range {
         }
     }
 
-    /// About four round values inside the range, ends included where they are round.
+    /// Four to seven round values inside the range, with both ends if these are round, too.
     #[must_use]
     pub fn ticks(self) -> Vec<f32> {
-        let span = f64::from(self.high) - f64::from(self.low);
+        let (low, high) = (f64::from(self.low), f64::from(self.high));
+        let span = high - low;
         if !(span.is_finite() && span > 0.0) {
             return vec![self.low];
         }
-        let step = round_step(span / 4.0);
-        let first = (f64::from(self.low) / step - 1e-6).ceil() as i64;
-        let last = (f64::from(self.high) / step + 1e-6).floor() as i64;
+        // Parts of the whole first, then any round step.
+        let parts = [4.0, 5.0, 6.0, 3.0].map(|parts| span / parts);
+        let fits = |step: &f64| is_round(*step) && is_whole(low / step);
+        let step = parts.into_iter().find(fits);
+        let step = step.unwrap_or_else(|| round_step(span / 5.0));
+        let first = (low / step - 1e-4).ceil() as i64;
+        let last = (high / step + 1e-4).floor() as i64;
         (first..=last).map(|i| (i as f64 * step) as f32).collect()
     }
+}
+
+/// Whether the value is 1, 1.5, 2, 2.5, 3, 4 or 5 times a power of ten, to the precision of `f32`.
+fn is_round(value: f64) -> bool {
+    let lead = value / 10f64.powf((value * (1.0 + 1e-5)).log10().floor());
+    let leads = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
+    leads
+        .into_iter()
+        .any(|round| (lead / round - 1.0f64).abs() < 1e-5)
+}
+
+fn is_whole(value: f64) -> bool {
+    (value - value.round()).abs() < 1e-4
 }
 
 /// The value that all but [`CLIPPED_SHARE`] of the finite values stay below in size.
@@ -215,18 +233,34 @@ mod tests {
     }
 
     #[test]
-    fn ticks_are_few_round_and_inside() {
-        for high in [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 3e8, 2e-5] {
-            let range = Range { low: 0.0, high };
-            let ticks = range.ticks();
-            assert!((3..=6).contains(&ticks.len()), "{high}: {ticks:?}");
-            assert!(ticks.iter().all(|t| (0.0..=high * 1.0001).contains(t)));
+    fn ticks_are_few_and_reach_both_ends() {
+        for high in [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 3e8, 2e-5, 6e-3] {
+            for low in [0.0, -high] {
+                let ticks = Range { low, high }.ticks();
+                assert!((4..=7).contains(&ticks.len()), "{low} {high}: {ticks:?}");
+                let (first, last) = (ticks[0], ticks[ticks.len() - 1]);
+                assert!((first - low).abs() < 1e-4 * high, "{ticks:?}");
+                assert!((last - high).abs() < 1e-4 * high, "{ticks:?}");
+                assert!(ticks.iter().any(|t| t.abs() < 1e-4 * high), "{ticks:?}");
+            }
         }
-        let signed = Range {
-            low: -4e6,
-            high: 4e6,
+    }
+
+    #[test]
+    fn odd_ranges_have_round_ticks_inside() {
+        let range = Range {
+            low: 0.37,
+            high: 7.7,
         };
-        assert!(signed.ticks().contains(&0.0));
+        assert_eq!(range.ticks(), [2.0, 4.0, 6.0]);
+        assert_eq!(
+            Range {
+                low: 1.0,
+                high: 1.0
+            }
+            .ticks(),
+            [1.0]
+        );
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::frame::Frame;
 use crate::render::camera::Camera;
 use crate::render::compose_pass::{ComposePass, SceneTextures};
 use crate::render::depth_pass::{DepthMap, DepthPass};
+use crate::render::floor_blur_pass::FloorBlurPass;
 use crate::render::floor_light_pass::FloorLightPass;
 use crate::render::floor_pass::FloorPass;
 use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
@@ -87,6 +88,7 @@ pub struct Renderer {
     shadow_map: DepthMap,
     height_map: DepthMap,
     floor_light_pass: FloorLightPass,
+    floor_blur_pass: FloorBlurPass,
     floor_pass: FloorPass,
     surface_pass: SurfacePass,
     compose_pass: ComposePass,
@@ -108,8 +110,9 @@ impl Renderer {
         let height_map = depth_pass.new_map(device, "height map", HEIGHT_SIDE_PX);
         let maps = [&shadow_map, &height_map];
         let floor_light_pass = FloorLightPass::new(device, &frame, maps, FLOOR_LIGHT_SIDE_PX);
+        let floor_blur_pass = FloorBlurPass::new(device, &floor_light_pass.map);
         Self {
-            floor_pass: FloorPass::new(device, &frame, &floor_light_pass.map),
+            floor_pass: FloorPass::new(device, &frame, &floor_blur_pass.map),
             surface_pass: SurfacePass::new((device, &gpu.queue), &frame, &shadow_map),
             compose_pass: ComposePass::new(device, target_format),
             overlay: Overlay::new(device, target_format),
@@ -122,6 +125,7 @@ impl Renderer {
             shadow_map,
             height_map,
             floor_light_pass,
+            floor_blur_pass,
         }
     }
 
@@ -233,6 +237,7 @@ impl Renderer {
             self.depth_pass
                 .draw(encoder, &self.height_map, &self.vertices, count);
             self.floor_light_pass.draw(encoder, &self.frame);
+            self.floor_blur_pass.draw(encoder);
         }
     }
 
@@ -313,7 +318,7 @@ fn uniforms(
         key_light: theme.key_light.to_array(),
         wire_width: view.pixels_per_point.max(1.0),
         sky_light: theme.sky_light.to_array(),
-        floor_height: floor.map_or(0.0, |floor| floor.height_m),
+        floor_height: floor.map_or(-1e9, |floor| floor.height_m),
         bounce_light: theme.bounce_light.to_array(),
         floor_radius: (FLOOR_RADII * fits.radius_m).max(1.5 * camera.distance_m),
         rim_light: theme.rim_light.to_array(),
@@ -329,7 +334,8 @@ fn uniforms(
         floor_center: fits.center_m.truncate().to_array(),
         floor_map_low: floor.map_or(Vec2::ZERO, |floor| floor.low_m).to_array(),
         floor_map_side: floor.map_or(1.0, |floor| floor.side_m),
-        floor_reach: floor.map_or(1.0, |floor| floor.reach_m),
+        // Without a floor nothing is near it.
+        floor_reach: floor.map_or(1e-9, |floor| floor.reach_m),
         picture_px: target.size_px.map(|px| px as f32),
     }
 }
