@@ -16,35 +16,13 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("contact", &["math", "mesh"]),
     ("fracture", &["math", "mesh"]),
     ("frame", &[]),
-    (
-        "sim",
-        &["math", "mesh", "fem", "contact", "fracture", "frame"],
-    ),
+    ("sim", &["math", "mesh", "fem", "contact", "fracture", "frame"]),
     ("scene", &["math", "mesh", "sim"]),
     ("render", &["math", "frame"]),
-    (
-        "verify",
-        &[
-            "math", "mesh", "fem", "contact", "fracture", "frame", "sim", "scene",
-        ],
-    ),
-    (
-        "export",
-        &["math", "mesh", "frame", "sim", "scene", "render"],
-    ),
-    (
-        "viewer",
-        &[
-            "math", "mesh", "fem", "contact", "fracture", "frame", "sim", "scene", "render",
-            "export",
-        ],
-    ),
-    (
-        "cli",
-        &[
-            "math", "mesh", "frame", "sim", "scene", "render", "export", "verify", "viewer",
-        ],
-    ),
+    ("verify", &["math", "mesh", "fem", "contact", "fracture", "frame", "sim", "scene"]),
+    ("export", &["math", "mesh", "frame", "sim", "scene", "render"]),
+    ("viewer", &["math", "mesh", "fem", "contact", "fracture", "frame", "sim", "scene", "render", "export"]),
+    ("cli", &["math", "mesh", "frame", "sim", "scene", "render", "export", "verify", "viewer"]),
     // The crate's root and the program only name modules.
     ("lib", &["cli"]),
     ("main", &["cli"]),
@@ -52,16 +30,8 @@ const ARROWS: &[(&str, &[&str])] = &[
 /// Modules that may name graphics crates.
 const DRAWING: &[&str] = &["render", "export", "viewer", "cli"];
 /// Crates that nothing below `render` names.
-const GRAPHICS_CRATES: &[&str] = &[
-    "wgpu",
-    "winit",
-    "egui",
-    "egui_wgpu",
-    "egui_winit",
-    "egui_plot",
-    "image",
-    "gif",
-];
+const GRAPHICS_CRATES: &[&str] =
+    &["wgpu", "winit", "egui", "egui_wgpu", "egui_winit", "egui_plot", "image", "gif"];
 /// Beyond this a file is no longer read in one sitting.
 const MOST_LINES: usize = 700;
 
@@ -75,10 +45,7 @@ impl Source {
     /// `["sim", "world"]` for `sim/world.rs`, `["sim"]` for `sim/mod.rs` and `sim.rs`.
     fn module_path(&self) -> Vec<String> {
         let path = self.path.with_extension("");
-        let mut names: Vec<String> = path
-            .iter()
-            .map(|name| name.to_string_lossy().into_owned())
-            .collect();
+        let mut names: Vec<String> = path.iter().map(|name| name.to_string_lossy().into_owned()).collect();
         if names.len() > 1 && names.last().is_some_and(|last| last == "mod") {
             names.pop();
         }
@@ -113,10 +80,7 @@ fn made_up_violations_are_found() {
     let cases = [
         ("contact/response.rs", "use crate::fem::Forces;"),
         ("fem/forces.rs", "fn f() { crate::sim::World::new(); }"),
-        (
-            "mesh/surface.rs",
-            "use crate::{\n    math::Cut,\n    scene::{self, Body},\n};",
-        ),
+        ("mesh/surface.rs", "use crate::{\n    math::Cut,\n    scene::{self, Body},\n};"),
         ("sim/world.rs", "use super::super::scene::Scene;"),
         ("sim/mod.rs", "use super::render::View;"),
         ("sim/step/free.rs", "use super::super::super::viewer;"),
@@ -135,29 +99,14 @@ fn made_up_violations_are_found() {
 #[test]
 fn what_is_allowed_is_not_complained_about() {
     let cases = [
-        (
-            "contact/response.rs",
-            "use crate::mesh::TetMesh;\nuse super::pairs::Pair;",
-        ),
-        (
-            "contact/response.rs",
-            "//! Unlike `crate::fem::Forces`.\n/* crate::sim::World */",
-        ),
-        (
-            "contact/response.rs",
-            "const HELP: &str = \"a \\\" crate::sim::World\";",
-        ),
+        ("contact/response.rs", "use crate::mesh::TetMesh;\nuse super::pairs::Pair;"),
+        ("contact/response.rs", "//! Unlike `crate::fem::Forces`.\n/* crate::sim::World */"),
+        ("contact/response.rs", "const HELP: &str = \"a \\\" crate::sim::World\";"),
         ("sim/step/free.rs", "use super::super::world::World;"),
-        (
-            "fem/forces.rs",
-            "#[cfg(test)]\nmod tests {\n    use crate::contact::Pair;\n}",
-        ),
+        ("fem/forces.rs", "#[cfg(test)]\nmod tests {\n    use crate::contact::Pair;\n}"),
         ("fem/tests.rs", "use crate::sim::World;"),
         ("scene/build.rs", "let wgpu_like = my_image::load();"),
-        (
-            "viewer/window.rs",
-            "use crate::{render::View, sim::World};\nuse wgpu::Device;",
-        ),
+        ("viewer/window.rs", "use crate::{render::View, sim::World};\nuse wgpu::Device;"),
     ];
     for (path, text) in cases {
         let found = violations(&[made_up(path, text)]);
@@ -166,10 +115,7 @@ fn what_is_allowed_is_not_complained_about() {
 }
 
 fn made_up(path: &str, text: &str) -> Source {
-    Source {
-        path: PathBuf::from(path),
-        text: text.to_owned(),
-    }
+    Source { path: PathBuf::from(path), text: text.to_owned() }
 }
 
 fn sources() -> Vec<Source> {
@@ -205,9 +151,7 @@ fn violations_in(source: &Source) -> Vec<String> {
     let module_path = source.module_path();
     let module = module_path[0].as_str();
     let Some((_, allowed)) = ARROWS.iter().find(|(name, _)| *name == module) else {
-        return vec![format!(
-            "src/{place}: module `{module}` is not in the table of arrows"
-        )];
+        return vec![format!("src/{place}: module `{module}` is not in the table of arrows")];
     };
     let code = code_of(&source.text);
     let arrows = imported_modules(&code, module_path.len())

@@ -55,9 +55,7 @@ impl Place {
 
     fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hammerfall"));
-        command
-            .args(line.split_whitespace())
-            .current_dir(self.path());
+        command.args(line.split_whitespace()).current_dir(self.path());
         command
     }
 
@@ -109,10 +107,7 @@ fn rows(history: &str) -> Vec<Vec<String>> {
 }
 
 fn times_s(history: &str) -> Vec<f64> {
-    rows(history)
-        .iter()
-        .map(|row| row[0].parse().unwrap())
-        .collect()
+    rows(history).iter().map(|row| row[0].parse().unwrap()).collect()
 }
 
 fn grid(path: &Path) -> UnstructuredGridPiece {
@@ -131,18 +126,9 @@ fn array(attributes: &[Attribute], name: &str) -> Vec<f64> {
 fn help_names_every_command_option_and_status() {
     let place = Place::new();
     let help = place.succeed("--help");
-    for word in [
-        "view",
-        "render",
-        "run",
-        "scenes",
-        "check",
-        "--set",
-        "--threads",
-        "--quiet",
-        "Exit status",
-        "130",
-    ] {
+    for word in
+        ["view", "render", "run", "scenes", "check", "--set", "--threads", "--quiet", "Exit status", "130"]
+    {
         assert!(help.contains(word), "{word} is not in\n{help}");
     }
     let render = place.succeed("render --help");
@@ -181,16 +167,10 @@ fn bad_usage_is_status_2_and_says_what_is_expected() {
         ("run cubes.toml -o d --threads 0", "1..=1024"),
         ("render cubes.toml -o a.gif --size 960", "960x540"),
         ("render cubes.toml -o a.gif --color-by stres", "von-mises"),
-        (
-            "render cubes.toml -o a.gif --camera nowhere",
-            "three-quarter",
-        ),
+        ("render cubes.toml -o a.gif --camera nowhere", "three-quarter"),
         ("render cubes.toml -o a.mp4", ".mp4"),
         ("render cubes.toml -o a.gif --at 0.1", "--at"),
-        (
-            "render cubes.toml -o a.gif --slow-motion 1e9",
-            "--slow-motion",
-        ),
+        ("render cubes.toml -o a.gif --slow-motion 1e9", "--slow-motion"),
     ];
     for (line, reason) in cases {
         let message = place.fail(line, 2);
@@ -212,10 +192,7 @@ fn bad_input_is_status_2_and_says_what_is_wrong() {
         ("run broken.toml -o d", "broken.toml"),
         ("run typo.toml -o d", "velocity"),
         ("run overlap.toml -o d", "upper"),
-        (
-            "run cubes.toml -o d --set materials.rubber.poisson_ratio=0.5",
-            "poisson_ratio",
-        ),
+        ("run cubes.toml -o d --set materials.rubber.poisson_ratio=0.5", "poisson_ratio"),
         ("check typo.toml", "velocity"),
         ("render hamer-table -o a.gif", "hammer-table"),
     ];
@@ -252,10 +229,7 @@ fn check_tells_size_and_cost() {
 fn run_writes_files_that_read_back() {
     let place = Place::new();
     let said = place.succeed("run cubes.toml -o data --vtu --set time.cfl=0.7");
-    assert!(
-        said.contains("history.csv") && said.contains("data"),
-        "{said}"
-    );
+    assert!(said.contains("history.csv") && said.contains("data"), "{said}");
 
     let history = place.read("data/history.csv");
     assert_eq!(times_s(&history).len(), 7, "{history}");
@@ -281,9 +255,7 @@ fn run_writes_files_that_read_back() {
     assert_eq!(collection.matches("<DataSet ").count(), 7);
     let last = grid(&place.path().join("data/frames/frame-000006.vtu"));
     let count = |key: &str| -> usize {
-        let counts = bodies
-            .iter()
-            .map(|body| body[key].as_u64().unwrap() as usize);
+        let counts = bodies.iter().map(|body| body[key].as_u64().unwrap() as usize);
         counts.sum()
     };
     assert_eq!(last.num_points(), count("nodes"));
@@ -300,9 +272,7 @@ fn run_writes_files_that_read_back() {
 fn leftovers(folder: &Path) -> bool {
     fs::read_dir(folder).unwrap().flatten().any(|entry| {
         let path = entry.path();
-        let is_partial = path
-            .extension()
-            .is_some_and(|extension| extension == "partial");
+        let is_partial = path.extension().is_some_and(|extension| extension == "partial");
         is_partial || (path.is_dir() && leftovers(&path))
     })
 }
@@ -313,10 +283,7 @@ fn every_step_has_its_row_when_asked_for() {
     place.succeed("run cubes.toml -o data --every 0 --duration 20ms");
     let summary = place.json("data/summary.json");
     let times_s = times_s(&place.read("data/history.csv"));
-    assert_eq!(
-        times_s.len() as u64,
-        summary["counts"]["steps"].as_u64().unwrap() + 1
-    );
+    assert_eq!(times_s.len() as u64, summary["counts"]["steps"].as_u64().unwrap() + 1);
     assert!(times_s.windows(2).all(|pair| pair[0] < pair[1]));
     assert_eq!(times_s.last(), Some(&0.02));
 }
@@ -325,18 +292,13 @@ fn every_step_has_its_row_when_asked_for() {
 fn equal_runs_give_equal_bytes_whatever_the_threads() {
     let place = Place::new();
     let history = |folder: &str, threads: u32| {
-        place.succeed(&format!(
-            "run cubes.toml -o {folder} --threads {threads} --every 1ms"
-        ));
+        place.succeed(&format!("run cubes.toml -o {folder} --threads {threads} --every 1ms"));
         place.read(&format!("{folder}/history.csv"))
     };
     let first = history("a", 1);
     assert!(first == history("b", 1), "two equal runs differ");
     assert!(first == history("c", 2), "one and two threads differ");
-    assert!(
-        first == history("a", 1),
-        "writing over an earlier run differs"
-    );
+    assert!(first == history("a", 1), "writing over an earlier run differs");
 }
 
 #[test]
@@ -345,12 +307,7 @@ fn an_earlier_run_is_replaced_but_not_the_files_of_others() {
     place.succeed("run cubes.toml -o data --vtu --duration 80ms");
     let output = place.run("run cubes.toml -o data --vtu --duration 20ms");
     assert!(stderr(&output).contains("replacing"), "{}", stderr(&output));
-    assert_eq!(
-        fs::read_dir(place.path().join("data/frames"))
-            .unwrap()
-            .count(),
-        2
-    );
+    assert_eq!(fs::read_dir(place.path().join("data/frames")).unwrap().count(), 2);
 
     fs::create_dir(place.path().join("mine")).unwrap();
     fs::write(place.path().join("mine/history.csv"), "my own").unwrap();
@@ -383,15 +340,9 @@ fn quiet_says_nothing_when_all_is_well() {
     let place = Place::new();
     let output = place.run("--quiet run cubes.toml -o data --duration 20ms");
     assert_eq!(output.status.code(), Some(0));
-    assert!(
-        output.stdout.is_empty() && output.stderr.is_empty(),
-        "{output:?}"
-    );
+    assert!(output.stdout.is_empty() && output.stderr.is_empty(), "{output:?}");
     assert!(place.has("data/summary.json"));
-    assert!(
-        !place.succeed("scenes -q").is_empty(),
-        "a list that was asked for is a result"
-    );
+    assert!(!place.succeed("scenes -q").is_empty(), "a list that was asked for is a result");
 }
 
 #[test]
@@ -405,12 +356,7 @@ fn no_progress_bar_goes_into_a_pipe() {
 #[cfg(unix)]
 fn a_reader_that_goes_away_ends_it_quietly() {
     let place = Place::new();
-    let mut child = place
-        .command("scenes")
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = place.command("scenes").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     // Nobody will ever read.
     drop(child.stdout.take());
     let output = wait(child);
@@ -460,10 +406,7 @@ fn send(signal: &str, child: &Child) {
 fn wait_for(happened: impl Fn() -> bool) {
     let started = Instant::now();
     while !happened() {
-        assert!(
-            started.elapsed() < Duration::from_secs(120),
-            "it never happened"
-        );
+        assert!(started.elapsed() < Duration::from_secs(120), "it never happened");
         std::thread::sleep(Duration::from_millis(10));
     }
 }
@@ -485,15 +428,10 @@ fn wait(mut child: Child) -> Output {
 fn a_moment_is_rendered_to_a_png() {
     let place = Place::new();
     place.succeed("render cubes.toml -o new/folder/one.png --at 50ms --color-by speed --wireframe");
-    let picture = image::open(place.path().join("new/folder/one.png"))
-        .unwrap()
-        .to_rgb8();
+    let picture = image::open(place.path().join("new/folder/one.png")).unwrap().to_rgb8();
     assert_eq!(picture.dimensions(), (96, 64));
     let first = picture.get_pixel(0, 0);
-    assert!(
-        picture.pixels().any(|pixel| pixel != first),
-        "an empty picture"
-    );
+    assert!(picture.pixels().any(|pixel| pixel != first), "an empty picture");
 }
 
 #[test]
@@ -506,11 +444,7 @@ fn an_animation_is_rendered_to_a_gif_and_to_a_folder() {
     let gif = image::codecs::gif::GifDecoder::new(file).unwrap();
     let frames = gif.into_frames().collect_frames().unwrap();
     assert_eq!(frames.len(), 13);
-    assert!(
-        frames
-            .iter()
-            .all(|frame| frame.buffer().dimensions() == (64, 48))
-    );
+    assert!(frames.iter().all(|frame| frame.buffer().dimensions() == (64, 48)));
 
     place.succeed("render cubes.toml -o frames --slow-motion 2 --size 64x48");
     let count = || fs::read_dir(place.path().join("frames")).unwrap().count();

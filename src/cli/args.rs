@@ -57,20 +57,14 @@ impl CommonArgs {
         rayon::ThreadPoolBuilder::new()
             .num_threads(usize::from(self.threads.unwrap_or(0)))
             .build_global()
-            .map_err(|error| {
-                Failure::Run(format!(
-                    "cannot start the threads: {error}; try --threads 1"
-                ))
-            })
+            .map_err(|error| Failure::Run(format!("cannot start the threads: {error}; try --threads 1")))
     }
 }
 
 /// Checks that an override looks like `key=value`; whether the key exists, the scene decides.
 fn parse_override(text: &str) -> Result<String, String> {
     match text.split_once('=') {
-        Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
-            Ok(text.to_owned())
-        }
+        Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => Ok(text.to_owned()),
         _ => Err("expected KEY=VALUE, e.g. contact.friction=0.5".to_owned()),
     }
 }
@@ -80,13 +74,7 @@ fn parse_override(text: &str) -> Result<String, String> {
 /// # Errors
 /// What is wrong and what is expected, for clap to print.
 pub fn parse_time(text: &str) -> Result<f64, String> {
-    const UNITS: [(&str, f64); 5] = [
-        ("ms", 1e3),
-        ("us", 1e6),
-        ("µs", 1e6),
-        ("ns", 1e9),
-        ("s", 1.0),
-    ];
+    const UNITS: [(&str, f64); 5] = [("ms", 1e3), ("us", 1e6), ("µs", 1e6), ("ns", 1e9), ("s", 1.0)];
     let trimmed = text.trim();
     let (number, per_second) = UNITS
         .iter()
@@ -127,8 +115,7 @@ pub fn parse_factor(text: &str) -> Result<f64, String> {
 /// # Errors
 /// The choices, for clap to print.
 pub fn parse_color_by(text: &str) -> Result<ColorBy, String> {
-    text.parse()
-        .map_err(|error: crate::render::UnknownColorBy| error.to_string())
+    text.parse().map_err(|error: crate::render::UnknownColorBy| error.to_string())
 }
 
 /// Width and height of a picture in pixels.
@@ -149,10 +136,7 @@ pub fn parse_size(text: &str) -> Result<Size, String> {
     const RANGE: std::ops::RangeInclusive<u32> = 16..=8192;
     let parse = || {
         let (width, height) = text.trim().split_once(['x', 'X'])?;
-        Some(Size {
-            width: width.parse().ok()?,
-            height: height.parse().ok()?,
-        })
+        Some(Size { width: width.parse().ok()?, height: height.parse().ok()? })
     };
     let size = parse().ok_or("expected WIDTHxHEIGHT in pixels, e.g. 960x540")?;
     if RANGE.contains(&size.width) && RANGE.contains(&size.height) {
@@ -194,13 +178,7 @@ mod tests {
     #[test]
     fn sizes_are_read_and_bounded() {
         let size = parse_size("960x540");
-        assert_eq!(
-            size,
-            Ok(Size {
-                width: 960,
-                height: 540
-            })
-        );
+        assert_eq!(size, Ok(Size { width: 960, height: 540 }));
         for text in ["960", "x", "960x", "0x10", "960x540x3", "-1x20", "9000x20"] {
             assert!(parse_size(text).is_err(), "{text}");
         }

@@ -31,9 +31,7 @@ pub fn run(args: &CheckArgs, common: &CommonArgs, console: &Console) -> Result<(
 
 fn is_mesh(file: &str) -> bool {
     let extension = Path::new(file).extension().unwrap_or_default();
-    ["msh", "vtk", "mesh", "vtu"]
-        .iter()
-        .any(|known| extension.eq_ignore_ascii_case(known))
+    ["msh", "vtk", "mesh", "vtu"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
 fn check_scene(file: &str, common: &CommonArgs, console: &Console) -> Result<(), Failure> {
@@ -45,17 +43,13 @@ fn check_scene(file: &str, common: &CommonArgs, console: &Console) -> Result<(),
     let cost_s = ELEMENT_STEP_S * summary.elements() as f64 * summary.steps_at_most();
     if cost_s.is_finite() {
         let cost = rough_time(cost_s);
-        console.result(format_args!(
-            "  that is at most {cost} of computing on one core"
-        ))?;
+        console.result(format_args!("  that is at most {cost} of computing on one core"))?;
     }
     console.result(format_args!("`{file}` is sound"))
 }
 
 fn check_mesh(file: &str, _common: &CommonArgs, _console: &Console) -> Result<(), Failure> {
-    Err(Failure::Run(format!(
-        "checking meshes such as `{file}` is not built in yet"
-    )))
+    Err(Failure::Run(format!("checking meshes such as `{file}` is not built in yet")))
 }
 
 fn rough_time(seconds: f64) -> String {

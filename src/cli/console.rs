@@ -33,11 +33,7 @@ impl Console {
     /// # Errors
     /// As [`Console::result`].
     pub fn closing(&self, line: impl std::fmt::Display) -> Result<(), Failure> {
-        if self.quiet {
-            Ok(())
-        } else {
-            self.result(line)
-        }
+        if self.quiet { Ok(()) } else { self.result(line) }
     }
 
     /// Says something on stderr, unless quiet.
@@ -87,11 +83,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self {
-            bar,
-            duration_s,
-            last_draw: None,
-        }
+        Self { bar, duration_s, last_draw: None }
     }
 
     /// Moves the bar; `describe` is asked for its text only when the bar is drawn.
@@ -106,8 +98,7 @@ impl Progress {
     }
 
     fn drawn_just_now(&self) -> bool {
-        self.last_draw
-            .is_some_and(|drawn| drawn.elapsed() < Self::DRAW_INTERVAL)
+        self.last_draw.is_some_and(|drawn| drawn.elapsed() < Self::DRAW_INTERVAL)
     }
 }
 

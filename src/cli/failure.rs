@@ -83,20 +83,14 @@ impl From<PictureError> for Failure {
 pub fn report_usage(error: &clap::Error) -> ExitCode {
     // Fails only when nobody reads any more.
     let _ = error.print();
-    ExitCode::from(if error.use_stderr() {
-        STATUS_BAD_INPUT
-    } else {
-        0
-    })
+    ExitCode::from(if error.use_stderr() { STATUS_BAD_INPUT } else { 0 })
 }
 
 /// Makes a panic say that it is our mistake, in words instead of a dump.
 pub fn install_panic_hook() {
     std::panic::set_hook(Box::new(|info| {
         let reason = info.payload_as_str().unwrap_or("no reason given");
-        let place = info
-            .location()
-            .map_or_else(|| "an unknown place".to_owned(), ToString::to_string);
+        let place = info.location().map_or_else(|| "an unknown place".to_owned(), ToString::to_string);
         let backtrace = std::backtrace::Backtrace::capture();
         let details = match backtrace.status() {
             std::backtrace::BacktraceStatus::Captured => backtrace.to_string(),

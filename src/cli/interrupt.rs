@@ -15,10 +15,7 @@ pub fn listen() -> Result<(), Failure> {
         if REQUESTED.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(STATUS_INTERRUPTED));
         }
-        let _ = writeln!(
-            std::io::stderr(),
-            "\nstopping cleanly; press Ctrl-C again to stop at once"
-        );
+        let _ = writeln!(std::io::stderr(), "\nstopping cleanly; press Ctrl-C again to stop at once");
     })
     .map_err(|error| Failure::Run(format!("cannot listen for Ctrl-C: {error}")))
 }

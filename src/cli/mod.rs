@@ -131,18 +131,7 @@ mod tests {
 
     #[test]
     fn overrides_count_wherever_they_stand() {
-        let line = [
-            "hammerfall",
-            "--set",
-            "a=1",
-            "run",
-            "x",
-            "-o",
-            "d",
-            "--set",
-            "b=2",
-            "--set=c=3",
-        ];
+        let line = ["hammerfall", "--set", "a=1", "run", "x", "-o", "d", "--set", "b=2", "--set=c=3"];
         let cli = Cli::try_parse_from(line).unwrap();
         assert_eq!(cli.all_common().overrides, ["a=1", "b=2", "c=3"]);
     }

@@ -26,10 +26,7 @@ pub fn prepare_for_run(folder: &Path, force: bool, console: &Console) -> Result<
     if !force && !is_ours(folder) {
         return Err(foreign(folder, &in_the_way));
     }
-    console.note(format_args!(
-        "replacing the earlier run in `{}`",
-        folder.display()
-    ));
+    console.note(format_args!("replacing the earlier run in `{}`", folder.display()));
     in_the_way.iter().try_for_each(|file| remove(file))
 }
 
@@ -64,8 +61,7 @@ pub fn numbered_files(folder: &Path, prefix: &str, suffix: &str) -> Vec<PathBuf>
 /// Whether the summary in `folder` says that we wrote it.
 fn is_ours(folder: &Path) -> bool {
     let read = std::fs::read(folder.join(SUMMARY_FILE)).ok();
-    let summary: Option<serde_json::Value> =
-        read.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    let summary: Option<serde_json::Value> = read.and_then(|bytes| serde_json::from_slice(&bytes).ok());
     summary.is_some_and(|summary| summary["program"] == PROGRAM)
 }
 

@@ -64,18 +64,9 @@ impl PictureSink {
     ///
     /// # Errors
     /// [`Failure::BadInput`] when the place cannot be used.
-    pub fn create(
-        path: &Path,
-        shot: &Shot,
-        force: bool,
-        console: &Console,
-    ) -> Result<Self, Failure> {
-        let parent = path
-            .parent()
-            .filter(|parent| !parent.as_os_str().is_empty());
-        parent
-            .map_or(Ok(()), create_folder)
-            .map_err(|error| Failure::from(error).before_the_run())?;
+    pub fn create(path: &Path, shot: &Shot, force: bool, console: &Console) -> Result<Self, Failure> {
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        parent.map_or(Ok(()), create_folder).map_err(|error| Failure::from(error).before_the_run())?;
         match OutputKind::of(path)? {
             OutputKind::Png => {
                 check_writable(path)?;
@@ -86,10 +77,7 @@ impl PictureSink {
                 .map_err(|error| Failure::from(error).before_the_run()),
             OutputKind::Folder => {
                 prepare_folder(path, force, console)?;
-                Ok(Self::Folder {
-                    folder: path.to_owned(),
-                    next: 0,
-                })
+                Ok(Self::Folder { folder: path.to_owned(), next: 0 })
             }
         }
     }
@@ -149,11 +137,7 @@ fn prepare_folder(folder: &Path, force: bool, console: &Console) -> Result<(), F
             earlier.len()
         )));
     }
-    console.note(format_args!(
-        "replacing {} pictures in `{}`",
-        earlier.len(),
-        folder.display()
-    ));
+    console.note(format_args!("replacing {} pictures in `{}`", earlier.len(), folder.display()));
     earlier.iter().try_for_each(|file| remove(file))
 }
 

@@ -3,9 +3,7 @@
 //! The whole scene is simulated first and drawn then: only so do camera, floor and colour map
 //! fit all of it and stand still.
 
-use super::args::{
-    CommonArgs, Size, parse_color_by, parse_duration, parse_factor, parse_size, parse_time,
-};
+use super::args::{CommonArgs, Size, parse_color_by, parse_duration, parse_factor, parse_size, parse_time};
 use super::console::{Console, seconds};
 use super::failure::Failure;
 use super::interrupt;
@@ -95,18 +93,12 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
 }
 
 /// The frames up to the end, or to where the run failed or was interrupted.
-fn simulate(
-    world: &mut World,
-    shot: &Shot,
-    console: &Console,
-) -> (Vec<Frame>, Result<Arrival, Failure>) {
+fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Vec<Frame>, Result<Arrival, Failure>) {
     let mut frames = Vec::new();
     let mut progress = console.progress(shot.end_s());
     for moment_s in shot.moments_s() {
         let arrival = stepping::advance(world, moment_s, |_, step| {
-            progress.at(step.time_s, || {
-                format!("simulating t = {:.4e} s", step.time_s)
-            });
+            progress.at(step.time_s, || format!("simulating t = {:.4e} s", step.time_s));
             Ok(())
         });
         if !matches!(arrival, Ok(Arrival::Reached)) {
@@ -137,9 +129,7 @@ fn draw(
         }
         sink.add(&studio.draw(frame, &setting)?)?;
         finished += 1;
-        progress.at(finished as f64, || {
-            format!("drawing {finished} of {}", frames.len())
-        });
+        progress.at(finished as f64, || format!("drawing {finished} of {}", frames.len()));
     }
     sink.finish()?;
     Ok(finished)
@@ -168,10 +158,7 @@ impl Report<'_> {
         let pictures = count_pictures(finished);
         if arrival == Arrival::Interrupted || finished < self.frames {
             let kept = self.kept(finished);
-            return Err(Failure::Interrupted(format!(
-                "stopped at t = {}; {kept}",
-                seconds(self.time_s)
-            )));
+            return Err(Failure::Interrupted(format!("stopped at t = {}; {kept}", seconds(self.time_s))));
         }
         console.closing(format_args!(
             "{} simulated in {:.1} s, {pictures} drawn in {:.1} s",
@@ -194,11 +181,9 @@ impl Report<'_> {
     fn kept(&self, finished: usize) -> String {
         match finished {
             0 => "nothing was drawn yet".to_owned(),
-            count => format!(
-                "`{}` keeps the {} up to there",
-                self.args.output.display(),
-                count_pictures(count)
-            ),
+            count => {
+                format!("`{}` keeps the {} up to there", self.args.output.display(), count_pictures(count))
+            }
         }
     }
 }

@@ -74,9 +74,7 @@ struct Plan {
 impl Plan {
     fn new(args: &RunArgs, scene: &Scene) -> Self {
         let duration_s = args.duration.unwrap_or(scene.description.duration_s);
-        let every_s = args
-            .every
-            .unwrap_or(scene.description.recording.history_every_s);
+        let every_s = args.every.unwrap_or(scene.description.recording.history_every_s);
         let stop_every_s = if every_s > 0.0 {
             every_s
         } else if args.vtu {
@@ -84,11 +82,7 @@ impl Plan {
         } else {
             duration_s
         };
-        Self {
-            duration_s,
-            every_s,
-            stop_every_s,
-        }
+        Self { duration_s, every_s, stop_every_s }
     }
 
     fn has_row_each_step(&self) -> bool {
@@ -110,21 +104,13 @@ struct Recorder {
 }
 
 impl Recorder {
-    fn create(
-        args: &RunArgs,
-        scene: &Scene,
-        plan: &Plan,
-        world: World,
-    ) -> Result<Self, ExportError> {
+    fn create(args: &RunArgs, scene: &Scene, plan: &Plan, world: World) -> Result<Self, ExportError> {
         let initial = world.sample();
         let summary = Summary::new(describe(args, scene, plan, &world), &initial);
         summary.write(&args.output)?;
         let mut recorder = Self {
             history: HistoryWriter::create(&args.output.join(HISTORY_FILE))?,
-            frames: args
-                .vtu
-                .then(|| VtuSeries::create(&args.output))
-                .transpose()?,
+            frames: args.vtu.then(|| VtuSeries::create(&args.output)).transpose()?,
             tally: Tally::default(),
             last_row_s: f64::NEG_INFINITY,
             started: Instant::now(),
@@ -149,19 +135,8 @@ impl Recorder {
         Ok(Arrival::Reached)
     }
 
-    fn advance(
-        &mut self,
-        moment_s: f64,
-        plan: &Plan,
-        progress: &mut Progress,
-    ) -> Result<Arrival, Failure> {
-        let Self {
-            world,
-            tally,
-            history,
-            last_row_s,
-            ..
-        } = self;
+    fn advance(&mut self, moment_s: f64, plan: &Plan, progress: &mut Progress) -> Result<Arrival, Failure> {
+        let Self { world, tally, history, last_row_s, .. } = self;
         stepping::advance(world, moment_s, |world, step| {
             tally.add(step);
             if plan.has_row_each_step() {
@@ -234,17 +209,13 @@ impl Recorder {
             &self.world.phase_times(),
             rayon::current_num_threads(),
         );
+        summary.set_contacts(self.world.contact_episodes());
         summary.update(&self.initial, &self.world.sample(), &self.tally, wall_time);
     }
 
     /// The closing lines on stdout.
     fn report(&self, args: &RunArgs, console: &Console) -> Result<(), Failure> {
-        let Summary {
-            counts,
-            extremes,
-            wall_time,
-            ..
-        } = &self.summary;
+        let Summary { counts, extremes, wall_time, .. } = &self.summary;
         let folder = args.output.display();
         console.closing(format_args!(
             "{} simulated in {:.3} s: {} steps, {} of them with contact",
@@ -270,11 +241,7 @@ impl Recorder {
 
 fn describe(args: &RunArgs, scene: &Scene, plan: &Plan, world: &World) -> SceneSummary {
     let bodies = world.setup().bodies.iter().enumerate();
-    let source = if scene_source::is_built_in(&args.scene) {
-        "built-in"
-    } else {
-        &args.scene
-    };
+    let source = if scene_source::is_built_in(&args.scene) { "built-in" } else { &args.scene };
     SceneSummary {
         name: scene.name.clone(),
         source: source.to_owned(),
@@ -286,6 +253,8 @@ fn describe(args: &RunArgs, scene: &Scene, plan: &Plan, world: &World) -> SceneS
                 name: body.name.clone(),
                 elements: body.mesh.tets.len(),
                 nodes: body.mesh.nodes_m.len(),
+                mass_kg: world.mass_kg(index),
+                added_mass_kg: world.mass_scaling(index).added_kg,
                 stable_step_s: Some(world.stable_step_s(index)).filter(|step_s| step_s.is_finite()),
             })
             .collect(),

@@ -11,7 +11,7 @@ use crate::scene::BUILTIN_SCENES;
 pub fn run(console: &Console) -> Result<(), Failure> {
     let names = BUILTIN_SCENES.iter().map(|scene| scene.name.len());
     let width = names.max().unwrap_or(0);
-    BUILTIN_SCENES.iter().try_for_each(|scene| {
-        console.result(format_args!("{:width$}  {}", scene.name, scene.summary))
-    })
+    BUILTIN_SCENES
+        .iter()
+        .try_for_each(|scene| console.result(format_args!("{:width$}  {}", scene.name, scene.summary)))
 }

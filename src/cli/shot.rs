@@ -5,8 +5,7 @@ use super::picture_output::OutputKind;
 use super::render::RenderArgs;
 use crate::frame::Frame;
 use crate::render::{
-    Camera, Caption, ColorBy, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range,
-    View,
+    Camera, Caption, ColorBy, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range, View,
 };
 use crate::scene::SceneDescription;
 use crate::scene::description::{Camera as SceneCamera, Eye, Recording};
@@ -14,8 +13,6 @@ use glam::Vec3;
 
 /// More pictures than this are surely a slip of the slow motion or the rate.
 const MOST_FRAMES: f64 = 10_000.0;
-/// Share of the picture that the automatic distance leaves free at each side.
-const MARGIN: f32 = 0.1;
 
 /// Which pictures to take, and how.
 pub struct Shot {
@@ -33,25 +30,15 @@ pub struct Shot {
 /// When pictures are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Moments {
-    One {
-        at_s: f64,
-    },
-    Even {
-        start_s: f64,
-        interval_s: f64,
-        count: u32,
-    },
+    One { at_s: f64 },
+    Even { start_s: f64, interval_s: f64, count: u32 },
 }
 
 impl Moments {
     fn time_s(self, index: u32) -> f64 {
         match self {
             Self::One { at_s } => at_s,
-            Self::Even {
-                start_s,
-                interval_s,
-                ..
-            } => start_s + f64::from(index) * interval_s,
+            Self::Even { start_s, interval_s, .. } => start_s + f64::from(index) * interval_s,
         }
     }
 
@@ -82,19 +69,13 @@ impl Shot {
     ///
     /// # Errors
     /// [`Failure::BadInput`] for an unknown camera, or far too many pictures.
-    pub fn new(
-        args: &RenderArgs,
-        scene: &SceneDescription,
-        kind: OutputKind,
-    ) -> Result<Self, Failure> {
+    pub fn new(args: &RenderArgs, scene: &SceneDescription, kind: OutputKind) -> Result<Self, Failure> {
         let recording = &scene.recording;
         let slow_motion = args.slow_motion.unwrap_or(recording.slow_motion);
         let fps = args.fps.unwrap_or(recording.fps);
         let end_s = args.duration.unwrap_or(scene.duration_s);
         let moments = match kind {
-            OutputKind::Png => Moments::One {
-                at_s: args.at.unwrap_or(end_s),
-            },
+            OutputKind::Png => Moments::One { at_s: args.at.unwrap_or(end_s) },
             _ => even_moments(recording.start_s, end_s, 1.0 / (fps * slow_motion))?,
         };
         let caption = Caption {
@@ -111,9 +92,7 @@ impl Shot {
             },
             wireframe: args.wireframe,
             caption: (!args.no_caption).then_some(caption),
-            size_px: args
-                .size
-                .map_or(recording.size_px, |size| [size.width, size.height]),
+            size_px: args.size.map_or(recording.size_px, |size| [size.width, size.height]),
             fps,
         })
     }
@@ -134,10 +113,7 @@ impl Shot {
         let mut framing = Framing::default();
         frames.iter().for_each(|frame| framing.include(frame));
         let [width, height] = self.size_px;
-        let range = self
-            .color_by
-            .has_values()
-            .then(|| Range::of_frames(frames, self.color_by));
+        let range = self.color_by.has_values().then(|| Range::of_frames(frames, self.color_by));
         Setting {
             camera: self.camera.resolve(&framing, width as f32 / height as f32),
             view: View {
@@ -164,42 +140,29 @@ fn even_moments(start_s: f64, end_s: f64, interval_s: f64) -> Result<Moments, Fa
              choose a smaller --slow-motion, --fps or --duration"
         )));
     }
-    Ok(Moments::Even {
-        start_s,
-        interval_s,
-        count: count as u32,
-    })
+    Ok(Moments::Even { start_s, interval_s, count: count as u32 })
 }
 
 fn color_by_of(recording: &Recording) -> Result<ColorBy, Failure> {
     let name = recording.color_by.name();
-    name.parse()
-        .map_err(|error: crate::render::UnknownColorBy| Failure::BadInput(error.to_string()))
+    name.parse().map_err(|error: crate::render::UnknownColorBy| Failure::BadInput(error.to_string()))
 }
 
 fn choose_camera(asked: Option<&str>, scene: &SceneDescription) -> Result<CameraChoice, Failure> {
     let Some(name) = asked.or(scene.recording.camera.as_deref()) else {
         let first = scene.cameras.first().cloned();
-        return Ok(first.map_or_else(
-            || CameraChoice::Named(NamedView::default()),
-            CameraChoice::OfScene,
-        ));
+        return Ok(first.map_or_else(|| CameraChoice::Named(NamedView::default()), CameraChoice::OfScene));
     };
     if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
         return Ok(CameraChoice::OfScene(camera.clone()));
     }
-    name.parse()
-        .map(CameraChoice::Named)
-        .map_err(|_| unknown_camera(name, scene))
+    name.parse().map(CameraChoice::Named).map_err(|_| unknown_camera(name, scene))
 }
 
 fn unknown_camera(name: &str, scene: &SceneDescription) -> Failure {
     let own = scene.cameras.iter().map(|camera| camera.name.as_str());
     let names: Vec<&str> = own.chain(NamedView::ALL.map(NamedView::name)).collect();
-    Failure::BadInput(format!(
-        "there is no camera `{name}` here; choose one of {}",
-        names.join(", ")
-    ))
+    Failure::BadInput(format!("there is no camera `{name}` here; choose one of {}", names.join(", ")))
 }
 
 impl CameraChoice {
@@ -212,28 +175,21 @@ impl CameraChoice {
 }
 
 fn scene_camera(wanted: &SceneCamera, framing: &Framing, aspect: f32) -> Camera {
-    let (low_m, high_m) = framing.shown_m().unwrap_or_default();
-    let middle_m = 0.5 * (low_m + high_m);
     let target_m = wanted.target_m.map(|target| target.as_vec3());
-    let mut camera = Camera {
-        fov_y_rad: (wanted.field_of_view_deg as f32).to_radians(),
-        ..Camera::default()
-    };
+    let mut camera =
+        Camera { fov_y_rad: (wanted.field_of_view_deg as f32).to_radians(), ..Camera::default() };
     match wanted.eye {
-        Eye::At(eye_m) => look_from(&mut camera, eye_m.as_vec3(), target_m.unwrap_or(middle_m)),
-        Eye::Around {
-            yaw_deg,
-            pitch_deg,
-            distance_m,
-        } => {
+        Eye::At(eye_m) => {
+            framing.fit(&mut camera, aspect);
+            let target_m = target_m.unwrap_or(camera.target_m);
+            look_from(&mut camera, eye_m.as_vec3(), target_m);
+        }
+        Eye::Around { yaw_deg, pitch_deg, distance_m } => {
             camera.yaw_rad = (yaw_deg as f32).to_radians();
             camera.pitch_rad = (pitch_deg as f32).to_radians();
-            camera.fit(low_m, high_m, aspect, MARGIN);
-            if let Some(distance_m) = distance_m {
-                camera.distance_m = distance_m as f32;
-                camera.target_m = middle_m;
-            }
+            framing.fit(&mut camera, aspect);
             camera.target_m = target_m.unwrap_or(camera.target_m);
+            camera.distance_m = distance_m.map_or(camera.distance_m, |distance| distance as f32);
         }
     }
     camera
@@ -260,9 +216,7 @@ impl Studio {
     /// [`Failure::Run`] when there is none; the message names what to install.
     pub fn open() -> Result<Self, Failure> {
         let open = || OffScreen::new(&Gpu::headless()?);
-        Ok(Self {
-            screen: open().map_err(gpu_failure)?,
-        })
+        Ok(Self { screen: open().map_err(gpu_failure)? })
     }
 
     /// Draws a frame.
@@ -270,9 +224,7 @@ impl Studio {
     /// # Errors
     /// [`Failure::Run`] with what went wrong on the device.
     pub fn draw(&mut self, frame: &Frame, setting: &Setting) -> Result<Picture, Failure> {
-        self.screen
-            .render(setting.size_px, frame, &setting.camera, &setting.view)
-            .map_err(gpu_failure)
+        self.screen.render(setting.size_px, frame, &setting.camera, &setting.view).map_err(gpu_failure)
     }
 }
 
@@ -306,11 +258,7 @@ mod tests {
         let (eye_m, target_m) = (Vec3::new(3.0, -2.0, 1.5), Vec3::new(0.5, 0.5, 0.5));
         let mut camera = Camera::default();
         look_from(&mut camera, eye_m, target_m);
-        assert!(
-            (camera.eye_m() - eye_m).length() < 1e-5,
-            "{}",
-            camera.eye_m()
-        );
+        assert!((camera.eye_m() - eye_m).length() < 1e-5, "{}", camera.eye_m());
         assert_eq!(camera.target_m, target_m);
     }
 }

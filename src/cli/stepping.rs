@@ -33,11 +33,7 @@ pub fn advance(
         let before_s = world.time_s();
         let report = world.step(target_s)?;
         after_step(world, &report)?;
-        standing = if world.time_s() > before_s {
-            0
-        } else {
-            standing + 1
-        };
+        standing = if world.time_s() > before_s { 0 } else { standing + 1 };
         if standing >= STANDING_STEPS {
             return Err(stuck(world));
         }

@@ -18,7 +18,6 @@ pub struct ViewArgs {
 pub fn run(_args: &ViewArgs, _common: &CommonArgs) -> Result<(), Failure> {
     // The one place to call `crate::viewer::run` from.
     Err(Failure::Run(
-        "the viewer is not built in yet; `hammerfall render SCENE -o out.gif` makes a picture"
-            .to_owned(),
+        "the viewer is not built in yet; `hammerfall render SCENE -o out.gif` makes a picture".to_owned(),
     ))
 }

@@ -92,9 +92,7 @@ impl HistoryWriter {
 
     fn write_line(&mut self) -> Result<(), ExportError> {
         self.line.push('\n');
-        self.file
-            .write_all(self.line.as_bytes())
-            .map_err(ExportError::io("write", &self.path))
+        self.file.write_all(self.line.as_bytes()).map_err(ExportError::io("write", &self.path))
     }
 }
 
@@ -104,23 +102,13 @@ fn format_row(line: &mut String, sample: &Sample) {
     number(line, step.time_s);
     number(line, step.step_s);
     text(line, step.stage.name());
-    for energy_j in [
-        sample.kinetic_j,
-        sample.strain_j,
-        sample.potential_j,
-        sample.dissipated_j,
-        sample.external_work_j,
-    ] {
+    for energy_j in
+        [sample.kinetic_j, sample.strain_j, sample.potential_j, sample.dissipated_j, sample.external_work_j]
+    {
         number(line, energy_j);
     }
-    for momentum in [
-        sample.linear_momentum_kg_m_s,
-        sample.angular_momentum_kg_m2_s,
-    ] {
-        momentum
-            .to_array()
-            .into_iter()
-            .for_each(|p| number(line, p));
+    for momentum in [sample.linear_momentum_kg_m_s, sample.angular_momentum_kg_m2_s] {
+        momentum.to_array().into_iter().for_each(|p| number(line, p));
     }
     number(line, step.contact_force_n);
     text(line, step.contact_pairs);

@@ -4,7 +4,7 @@
 //! same scene and program.
 
 use super::{ExportError, write_whole};
-use crate::sim::{PhaseTimes, Sample, StepReport};
+use crate::sim::{ContactEpisode, PhaseTimes, Sample, StepReport};
 use serde::Serialize;
 use std::path::Path;
 
@@ -50,6 +50,8 @@ pub struct Summary {
     pub initial: Balances,
     /// Balances at the end.
     pub last: Balances,
+    /// Contacts of two bodies in the order of their first touch, the first thousand of them.
+    pub contacts: Vec<ContactSummary>,
     /// Change of the energy balance between start and end, J: zero when all is well.
     pub energy_balance_error_j: f64,
     /// Wall time by phase.
@@ -105,9 +107,41 @@ pub struct BodySummary {
     pub elements: usize,
     /// Nodes.
     pub nodes: usize,
+    /// Mass with what mass scaling added, kg.
+    pub mass_kg: f64,
+    /// Mass that mass scaling added, kg.
+    pub added_mass_kg: f64,
     /// Stable elastic step, s; absent for bodies that do not deform.
     pub stable_step_s: Option<f64>,
 }
+
+/// One contact of two bodies, from first touch to separation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ContactSummary {
+    /// Names of the bodies.
+    pub bodies: [String; 2],
+    /// Begin, s.
+    pub begin_s: f64,
+    /// End, s.
+    pub end_s: f64,
+    /// Impulse on the first body, N s.
+    pub impulse_n_s: [f64; 3],
+}
+
+impl ContactSummary {
+    fn new(episode: &ContactEpisode, bodies: &[BodySummary]) -> Self {
+        let name = |body: usize| bodies.get(body).map_or_else(String::new, |body| body.name.clone());
+        Self {
+            bodies: episode.bodies.map(name),
+            begin_s: episode.begin_s,
+            end_s: episode.end_s,
+            impulse_n_s: episode.impulse_n_s.to_array(),
+        }
+    }
+}
+
+/// Contacts listed at most; a body that rattles touches thousands of times.
+const MOST_CONTACTS_LISTED: usize = 1000;
 
 /// Counts over the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -282,6 +316,7 @@ impl Summary {
             extremes: Extremes::default(),
             initial: initial.into(),
             last: initial.into(),
+            contacts: Vec::new(),
             energy_balance_error_j: 0.0,
             wall_time: WallTime::default(),
             real_time_factor: None,
@@ -296,8 +331,14 @@ impl Summary {
         self.extremes = tally.extremes;
         self.wall_time = wall_time;
         let simulated_s = last.step.time_s - initial.step.time_s;
-        self.real_time_factor = (wall_time.total_s > 0.0 && tally.counts.steps > 0)
-            .then(|| simulated_s / wall_time.total_s);
+        self.real_time_factor =
+            (wall_time.total_s > 0.0 && tally.counts.steps > 0).then(|| simulated_s / wall_time.total_s);
+    }
+
+    /// Sets the list of contacts.
+    pub fn set_contacts(&mut self, episodes: &[ContactEpisode]) {
+        let listed = episodes.iter().take(MOST_CONTACTS_LISTED);
+        self.contacts = listed.map(|episode| ContactSummary::new(episode, &self.scene.bodies)).collect();
     }
 
     /// Writes `summary.json` into `folder`, replacing an older one.
@@ -306,10 +347,8 @@ impl Summary {
     /// [`ExportError`] when it cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), ExportError> {
         let path = folder.join(SUMMARY_FILE);
-        let mut json = serde_json::to_string_pretty(self).map_err(|error| ExportError::Encode {
-            path: path.clone(),
-            reason: error.to_string(),
-        })?;
+        let mut json = serde_json::to_string_pretty(self)
+            .map_err(|error| ExportError::Encode { path: path.clone(), reason: error.to_string() })?;
         json.push('\n');
         write_whole(&path, json.as_bytes())
     }
@@ -342,15 +381,8 @@ mod tests {
 
     #[test]
     fn the_energy_error_is_the_change_of_the_balance() {
-        let initial = Sample {
-            kinetic_j: 5.0,
-            ..Sample::default()
-        };
-        let last = Sample {
-            strain_j: 4.0,
-            external_work_j: 1.0,
-            ..Sample::default()
-        };
+        let initial = Sample { kinetic_j: 5.0, ..Sample::default() };
+        let last = Sample { strain_j: 4.0, external_work_j: 1.0, ..Sample::default() };
         let mut summary = Summary::new(SceneSummary::default(), &initial);
         let tally = Tally::default();
         summary.update(&initial, &last, &tally, WallTime::default());

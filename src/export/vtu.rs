@@ -37,11 +37,7 @@ impl VtuSeries {
     /// [`ExportError::Io`] when the folder of the frames or the collection cannot be written.
     pub fn create(folder: &Path) -> Result<Self, ExportError> {
         create_folder(&folder.join(FRAME_FOLDER))?;
-        let mut series = Self {
-            folder: folder.to_path_buf(),
-            times_s: Vec::new(),
-            listed: 0,
-        };
+        let mut series = Self { folder: folder.to_path_buf(), times_s: Vec::new(), listed: 0 };
         series.close()?;
         Ok(series)
     }
@@ -92,11 +88,8 @@ fn collection_xml(times_s: &[f64]) -> String {
     );
     for (index, time_s) in times_s.iter().enumerate() {
         let file = frame_file(index);
-        writeln!(
-            xml,
-            "<DataSet timestep=\"{time_s:?}\" group=\"\" part=\"0\" file=\"{file}\"/>"
-        )
-        .expect("writing to a String cannot fail");
+        writeln!(xml, "<DataSet timestep=\"{time_s:?}\" group=\"\" part=\"0\" file=\"{file}\"/>")
+            .expect("writing to a String cannot fail");
     }
     xml.push_str("</Collection>\n</VTKFile>\n");
     xml
@@ -112,10 +105,7 @@ fn encode(world: &World, path: &Path) -> Result<Vec<u8>, ExportError> {
     };
     let mut bytes = b"<?xml version=\"1.0\"?>\n".to_vec();
     file.write_xml(&mut bytes)
-        .map_err(|error| ExportError::Encode {
-            path: path.to_path_buf(),
-            reason: error.to_string(),
-        })?;
+        .map_err(|error| ExportError::Encode { path: path.to_path_buf(), reason: error.to_string() })?;
     Ok(bytes)
 }
 
@@ -149,23 +139,15 @@ impl Grid {
         extend(&mut self.displacement_m, displacements_m);
         extend(&mut self.points_m, positions_m.iter().copied());
         extend(&mut self.reference_m, reference_m.iter().copied());
-        extend(&mut self.velocity_m_s, world.velocities_m_s(body));
+        extend(&mut self.velocity_m_s, world.velocities_m_s(body).iter().copied());
     }
 
     /// Adds the tetrahedra of a body whose points are added next.
     fn add_cells(&mut self, world: &World, body: usize) {
         let first_point = (self.points_m.len() / 3) as u64;
         let tets = world.tets(body);
-        self.connectivity.extend(
-            tets.iter()
-                .flatten()
-                .map(|&node| first_point + u64::from(node)),
-        );
-        for ElementStress {
-            cauchy_pa,
-            principal_pa,
-        } in world.element_stresses(body)
-        {
+        self.connectivity.extend(tets.iter().flatten().map(|&node| first_point + u64::from(node)));
+        for ElementStress { cauchy_pa, principal_pa } in world.element_stresses(body) {
             extend(&mut self.principal_pa, [principal_pa]);
             // Row by row; the tensor is symmetric up to round-off.
             self.cauchy_pa.extend(cauchy_pa.transpose().to_cols_array());
@@ -237,11 +219,8 @@ mod tests {
     }
 
     fn world() -> World {
-        World::new(WorldSetup {
-            bodies: vec![body("a", 0.0), body("b", 5.0)],
-            ..WorldSetup::default()
-        })
-        .unwrap()
+        World::new(WorldSetup { bodies: vec![body("a", 0.0), body("b", 5.0)], ..WorldSetup::default() })
+            .unwrap()
     }
 
     fn array(attributes: &[Attribute], name: &str) -> Vec<f64> {
