@@ -1,1 +1,115 @@
-//! export
+//! What leaves the program as files: data here, pictures beside it.
+//!
+//! Every file is readable at any time, also after a crash: tables are written line by line, and
+//! everything else goes to a temporary file first and takes its name when it is whole.
+
+pub mod csv;
+pub mod gif;
+pub mod png;
+pub mod summary;
+pub mod vtu;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The operating system refused.
+    #[error("cannot {action} `{}`: {}", path.display(), io_reason(source))]
+    Io {
+        /// What was tried: `"write"`, `"create"`, ...
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The content could not be put into its format.
+    #[error("cannot encode `{}`: {reason}", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// The format library's reason.
+        reason: String,
+    },
+}
+
+impl ExportError {
+    /// An [`ExportError::Io`], for `map_err`.
+    pub fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| Self::Io { action, path, source }
+    }
+}
+
+/// The reason in plain words, with what to do where that is clear.
+#[must_use]
+pub fn io_reason(error: &io::Error) -> String {
+    use io::ErrorKind as Kind;
+    let known = match error.kind() {
+        Kind::NotFound => "there is no such file or folder",
+        Kind::PermissionDenied => "permission denied; choose a place you may write to",
+        Kind::StorageFull => "the disk is full; free some space or choose another place",
+        Kind::QuotaExceeded => "your disk quota is used up; free some space",
+        Kind::ReadOnlyFilesystem => "the file system is read-only; choose another place",
+        Kind::NotADirectory => "a part of this path is a file, not a folder",
+        Kind::IsADirectory => "this is a folder, not a file",
+        _ => return error.to_string(),
+    };
+    known.to_owned()
+}
+
+/// Creates a folder and its parents.
+///
+/// # Errors
+/// [`ExportError::Io`] when the system refuses.
+pub fn create_folder(folder: &Path) -> Result<(), ExportError> {
+    std::fs::create_dir_all(folder).map_err(ExportError::io("create the folder", folder))
+}
+
+/// Writes a whole file so that a reader sees the old content or the new, never a part.
+///
+/// # Errors
+/// [`ExportError::Io`] when the system refuses; the old file then stays as it was.
+pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), ExportError> {
+    let partial = partial_name(path);
+    let written = std::fs::write(&partial, content).and_then(|()| std::fs::rename(&partial, path));
+    written.map_err(|source| {
+        // Best effort: the write has failed already, and that is what must be told.
+        let _ = std::fs::remove_file(&partial);
+        ExportError::io("write", path)(source)
+    })
+}
+
+/// The temporary name beside `path` under which it is written until it is whole.
+#[must_use]
+pub fn partial_name(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".partial");
+    path.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_whole_file_replaces_the_old_one_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, b"old").unwrap();
+        write_whole(&path, b"new").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_refused_write_names_the_file_and_the_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("missing").join("a.txt");
+        let message = write_whole(&path, b"x").unwrap_err().to_string();
+        assert!(message.contains("a.txt"), "{message}");
+        assert!(message.contains("no such file or folder"), "{message}");
+    }
+}

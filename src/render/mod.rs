@@ -1,1 +1,110 @@
-//! render
+//! From a [`crate::frame::Frame`] to pixels, in a window or without one.
+//!
+//! ```text
+//!   Frame ─▶ GeometryBuilder ─▶ shadow map, heights ─▶ floor light ─┐
+//!   Camera, View ─▶ FrameUniforms ──────────────────────────────────┴▶ surfaces, floor,
+//!                      background (4 samples) ─▶ compose ─▶ legend, caption ─▶ target
+//! ```
+//!
+//! [`Renderer`] draws into a rectangle of any texture; [`OffScreen`] owns one and reads it back.
+//! Lighting is computed in linear colour; the finished bytes are sRGB, the same in both cases.
+//!
+//! The GPU half of `x_pass.rs` is `shaders/x_pass.wgsl`.
+//!
+//! ```no_run
+//! use hammerfall::frame::Frame;
+//! use hammerfall::render::{Framing, Ground, Gpu, NamedView, OffScreen, View};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let frames: Vec<Frame> = Vec::new();
+//! let size_px = [960, 540];
+//! let mut framing = Framing::default();
+//! frames.iter().for_each(|frame| framing.include(frame));
+//! let camera = framing.camera(NamedView::ThreeQuarter, 960.0 / 540.0);
+//! let view = View {
+//!     ground: framing.floor().map_or(Ground::Hidden, Ground::At),
+//!     ..View::for_size(size_px)
+//! };
+//! let mut screen = OffScreen::new(&Gpu::headless()?)?;
+//! for frame in &frames {
+//!     let picture = screen.render(size_px, frame, &camera, &view)?;
+//! }
+//! # Ok(())
+//! # }
+//! ```
+
+mod bindings;
+mod camera;
+mod color_map;
+mod compose_pass;
+mod depth_pass;
+mod floor_blur_pass;
+mod floor_light_pass;
+mod floor_pass;
+mod frame_uniforms;
+mod framing;
+mod geometry;
+mod gpu;
+mod light;
+mod off_screen;
+mod overlay;
+mod range;
+mod renderer;
+mod surface_pass;
+mod theme;
+mod view;
+
+pub use camera::{Camera, NamedView, Ray, UnknownView};
+pub use color_map::{ColorMap, body_srgb};
+pub use framing::{Floor, Framing};
+pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};
+pub use off_screen::{OffScreen, Picture};
+pub use range::{Range, short, si_prefix, with_unit};
+pub use renderer::{Renderer, Target};
+pub use view::{Background, Caption, ColorBy, Ground, UnknownColorBy, View};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every shader, as the device gets it.
+    fn shaders() -> [(&'static str, String); 6] {
+        let with_prelude = frame_uniforms::with_prelude;
+        [
+            ("depth_pass", depth_pass::WGSL.to_owned()),
+            ("floor_blur_pass", floor_blur_pass::WGSL.to_owned()),
+            ("floor_light_pass", with_prelude(floor_light_pass::WGSL)),
+            ("floor_pass", with_prelude(floor_pass::WGSL)),
+            ("surface_pass", with_prelude(surface_pass::WGSL)),
+            ("compose_pass", compose_pass::WGSL.to_owned()),
+        ]
+    }
+
+    #[test]
+    fn every_shader_is_valid_wgsl() {
+        use naga::valid::{Capabilities, ValidationFlags, Validator};
+        for (name, wgsl) in shaders() {
+            let module = naga::front::wgsl::parse_str(&wgsl)
+                .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&wgsl)));
+            Validator::new(ValidationFlags::all(), Capabilities::empty())
+                .validate(&module)
+                .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&wgsl)));
+        }
+    }
+
+    #[test]
+    fn no_shader_file_is_forgotten() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
+        let files = std::fs::read_dir(folder).expect("shaders/ is there");
+        let checked = shaders().map(|(name, _)| name);
+        for file in files {
+            let path = file.expect("shaders/ can be read").path();
+            let name = path
+                .file_stem()
+                .and_then(|s| s.to_str())
+                .unwrap_or_default();
+            let known = checked.contains(&name) || name == "frame_uniforms";
+            assert!(known, "{name}.wgsl is not validated");
+        }
+    }
+}

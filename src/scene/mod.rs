@@ -1,1 +1,170 @@
-//! scene
+//! Scenes: from TOML text to what the simulation starts from.
+//!
+//! ```text
+//!   text ──document──▶ tree ──parse──▶ SceneDescription ──build──▶ WorldSetup
+//!          (+ --set)          (reader)                  (shapes, place, selection, overlap)
+//! ```
+//!
+//! [`Scene::load`] does it all. Every stage collects all its problems and says where in the text (or in
+//! which override) each of them sits.
+
+mod boxes;
+mod build;
+pub mod description;
+mod document;
+mod findings;
+mod library;
+mod overlap;
+mod parse;
+mod path;
+mod place;
+mod presets;
+mod problem;
+mod quantity;
+mod reader;
+mod selection;
+mod settle;
+mod shape;
+mod shape_mesh;
+mod summary;
+mod tree;
+
+pub use description::SceneDescription;
+pub use document::SceneDocument;
+pub use library::{BUILTIN_SCENES, BuiltinScene};
+pub use overlap::{Overlap, overlap};
+pub use presets::{PRESETS, Preset};
+pub use problem::{Location, Problem, SceneError};
+pub use shape::{MeshFile, Shape};
+pub use summary::{BodySummary, SceneSummary};
+
+use crate::sim::WorldSetup;
+use findings::{Finding, Findings};
+use std::path::{Path, PathBuf};
+
+/// A scene, checked and ready to run.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name of a built-in scene, or a file's name without its ending.
+    pub name: String,
+    /// What the text says: title, cameras, recording and everything else.
+    pub description: SceneDescription,
+    /// What the simulation starts from.
+    pub setup: WorldSetup,
+    /// Size and cost.
+    pub summary: SceneSummary,
+    document: SceneDocument,
+    folder: PathBuf,
+}
+
+impl Scene {
+    /// Loads a built-in scene by its name, or a file by its path, with overrides (`path=value`) on top.
+    ///
+    /// # Errors
+    /// [`SceneError`]: no such scene, an unreadable file, or everything that is wrong in it.
+    pub fn load(name_or_path: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        if let Some(builtin) = library::find(name_or_path) {
+            return Self::from_text(builtin.name, builtin.text, Path::new("."), overrides);
+        }
+        let path = Path::new(name_or_path);
+        if !path.exists() {
+            return Err(not_found(name_or_path));
+        }
+        let text = std::fs::read_to_string(path).map_err(|source| SceneError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        let folder = path.parent().unwrap_or(Path::new("."));
+        Self::from_text(name_or_path, &text, folder, overrides)
+    }
+
+    /// The same from text in memory. `label` is what messages call it; mesh files are looked for from
+    /// `folder`.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with everything that is wrong.
+    pub fn from_text(
+        label: &str,
+        text: &str,
+        folder: &Path,
+        overrides: &[String],
+    ) -> Result<Self, SceneError> {
+        let document = SceneDocument::parse(label, text)?;
+        Self::from_document(document, folder, overrides)
+    }
+
+    /// This scene with further overrides on top: what a slider of the viewer does.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with everything that is wrong; this scene stays as it is.
+    pub fn with_overrides(&self, overrides: &[String]) -> Result<Self, SceneError> {
+        Self::from_document(self.document.clone(), &self.folder, overrides)
+    }
+
+    /// The scene as TOML, overrides, comments and all: loading it again gives the same scene.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        self.document.to_toml()
+    }
+
+    /// The overrides that were applied.
+    #[must_use]
+    pub fn overrides(&self) -> &[String] {
+        self.document.overrides()
+    }
+
+    fn from_document(
+        mut document: SceneDocument,
+        folder: &Path,
+        overrides: &[String],
+    ) -> Result<Self, SceneError> {
+        let mut problems = document.try_apply(overrides);
+        let findings = Findings::default();
+        let description = parse::read_scene(document.root(), &findings);
+        problems.extend(findings.into_problems());
+        if !problems.is_empty() {
+            return Err(document.invalid(problems));
+        }
+        let built = build::build(&description, folder).map_err(|problems| {
+            let located = problems.into_iter().map(|(path, message)| Finding {
+                origin: document.locate(&path),
+                path,
+                message,
+            });
+            document.invalid(located.collect())
+        })?;
+        Ok(Self {
+            name: short_name(document.label()),
+            summary: SceneSummary::of(
+                &description.title,
+                description.duration_s,
+                &built.setup,
+                built.notes,
+            ),
+            description,
+            setup: built.setup,
+            document,
+            folder: folder.to_owned(),
+        })
+    }
+}
+
+fn short_name(label: &str) -> String {
+    let stem = Path::new(label).file_stem();
+    stem.map_or_else(
+        || label.to_owned(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}
+
+fn not_found(asked: &str) -> SceneError {
+    let names = BUILTIN_SCENES.iter().map(|scene| scene.name);
+    let hint = match problem::nearest(asked, names) {
+        Some(name) => format!("; did you mean `{name}`?"),
+        None => "; `hammerfall scenes` lists the built-in ones".to_owned(),
+    };
+    SceneError::NotFound {
+        asked: asked.to_owned(),
+        hint,
+    }
+}

@@ -280,13 +280,15 @@ impl Table {
     /// Side of a leg at the floor over its side at the top.
     pub const LEG_TAPER: f64 = 0.6;
 
-    /// Refinement 1 has one cell between the legs and three along each of them.
+    /// Refinement 1 has two cells along the longest side and three along a leg.
     pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
         let check = Check("table");
         self.check(check)?;
         let leg_m = self.height_m - self.top_thickness_m;
-        let element_m =
-            check.element_size_m(meshing.resolution, self.length_m.max(self.width_m).max(leg_m))?;
+        let element_m = check.element_size_m(
+            meshing.resolution,
+            self.length_m.max(self.width_m).max(leg_m) / 2.0,
+        )?;
         let across = |length_m: f64| {
             let inner_m = length_m / 2.0 - self.leg_width_m;
             let leg = cells_along(self.leg_width_m, element_m);

@@ -1,7 +1,7 @@
 //! A hammer: a round head with a flat face and a tapered peen, on a handle that goes through it.
 
 use super::lattice::{Axis, cells_along, disc_from_square, even_cells_along, lattice};
-use super::{Check, Meshing, ShapeError};
+use super::{Check, HexSplit, Meshing, ShapeError};
 use crate::mesh::{TetMesh, signed_volume_m3};
 use glam::DVec3;
 
@@ -53,8 +53,18 @@ impl Hammer {
         let element_m = check.element_size_m(meshing.resolution, self.handle_width_m)?;
         let plan = self.plan(element_m);
         let cells = [plan.x.cells(), plan.y.cells(), plan.z.cells()];
-        let hexes = lattice(check.0, cells, |cell| plan.region_of(cell), |at| plan.position_m(at))?;
-        let mut mesh = hexes.split(meshing.split, &["head", "handle"]);
+        let hexes = lattice(
+            check.0,
+            cells,
+            |cell| plan.region_of(cell),
+            |at| plan.position_m(at),
+        )?;
+        let split = if plan.round {
+            HexSplit::Six
+        } else {
+            meshing.split
+        };
+        let mut mesh = hexes.split(split, &["head", "handle"]);
         centre_on_mass(&mut mesh);
         Ok(mesh)
     }
@@ -84,39 +94,63 @@ impl Hammer {
     fn plan(&self, element_m: f64) -> Plan {
         let round = element_m < 0.75 * self.handle_width_m;
         let cells = |length_m: f64| {
-            if round { even_cells_along(length_m, element_m) } else { 1 }
+            if round {
+                cells_along(length_m, element_m)
+            } else {
+                1
+            }
+        };
+        let even = |length_m: f64| {
+            if round {
+                even_cells_along(length_m, element_m)
+            } else {
+                1
+            }
         };
         let (radius_m, half_m) = (self.head_width_m / 2.0, self.handle_width_m / 2.0);
-        // On the head's surface a share s of the half width lies at the angle s pi/4.
-        let half_share =
-            if round { (half_m / radius_m).asin() / std::f64::consts::FRAC_PI_4 } else { half_m / radius_m };
-        let half_share = half_share.min(0.9);
-        let (handle, side) =
-            (cells(self.handle_width_m), cells_along((1.0 - half_share) * radius_m, element_m));
-        let (eye_m, length_m) = (Self::EYE * self.head_length_m, self.head_length_m);
+        let share = self.handle_share(round);
+        let (side, handle) = (cells((1.0 - share) * radius_m), even(self.handle_width_m));
+        let (low_m, high_m) = (
+            Self::EYE * self.head_length_m - half_m,
+            Self::EYE * self.head_length_m + half_m,
+        );
         Plan {
             hammer: *self,
             x: Axis::new(
                 &[-self.handle_length_m, -radius_m, radius_m],
-                &[self.handle_cells(element_m), cells(2.0 * radius_m)],
+                &[self.handle_cells(element_m, round), even(2.0 * radius_m)],
             ),
-            y: Axis::new(&[-1.0, -half_share, half_share, 1.0], &[side, handle, side]),
+            y: Axis::new(&[-1.0, -share, share, 1.0], &[side, handle, side]),
             z: Axis::new(
-                &[0.0, eye_m - half_m, eye_m + half_m, length_m],
-                &[
-                    cells_along(eye_m - half_m, element_m),
-                    handle,
-                    cells_along(length_m - eye_m - half_m, element_m),
-                ],
+                &[0.0, low_m, high_m, self.head_length_m],
+                &[cells(low_m), handle, cells(self.head_length_m - high_m)],
             ),
             round,
         }
     }
 
-    /// Handle cells may be longer than wide: twice is harmless.
-    fn handle_cells(&self, element_m: f64) -> u32 {
+    /// Half the handle's width as a share of half the head's, in lattice coordinates: on a round
+    /// head's surface a share `s` lies at the angle `s pi/4`.
+    fn handle_share(&self, round: bool) -> f64 {
+        let ratio = self.handle_width_m / self.head_width_m;
+        let share = if round {
+            ratio.asin() / std::f64::consts::FRAC_PI_4
+        } else {
+            ratio
+        };
+        share.min(0.9)
+    }
+
+    /// Cells along the bare handle; they may be longer than wide, twice is harmless. A round head
+    /// must begin at an even place of the lattice, or the diagonals miss the corners that its
+    /// bending makes flat.
+    fn handle_cells(&self, element_m: f64, round: bool) -> u32 {
         let bare_m = self.handle_length_m - self.head_width_m / 2.0;
-        cells_along(bare_m, 2.0 * element_m).max(3)
+        if round {
+            even_cells_along(bare_m, 2.0 * element_m).max(4)
+        } else {
+            cells_along(bare_m, 2.5 * element_m).max(3)
+        }
     }
 }
 
@@ -162,7 +196,11 @@ impl Plan {
         let middle_m = Hammer::EYE * self.hammer.head_length_m;
         let v = self.y.at(j) / self.y.at(self.y.break_at(2));
         let w = (self.z.at(k) - middle_m) / half_m;
-        let [y, z] = if self.round { disc_from_square(v, w) } else { [v, w] };
+        let [y, z] = if self.round {
+            rounded_square(v, w)
+        } else {
+            [v, w]
+        };
         let grip = self.grip_scale(self.x.at(i));
         DVec3::new(self.x.at(i), y * half_m * grip, middle_m + z * half_m * grip)
     }
@@ -172,6 +210,13 @@ impl Plan {
         let t = (x_m / self.hammer.handle_length_m + 1.0).clamp(0.0, 1.0);
         1.12 - 0.3 * t * t.sqrt()
     }
+}
+
+/// A square with soft corners.
+fn rounded_square(u: f64, v: f64) -> [f64; 2] {
+    const ROUNDNESS: f64 = 0.65;
+    let [x, y] = disc_from_square(u, v);
+    [u + ROUNDNESS * (x - u), v + ROUNDNESS * (y - v)]
 }
 
 /// Moves a mesh so that its centre of mass, at uniform density, is the origin.

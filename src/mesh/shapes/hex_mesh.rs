@@ -19,7 +19,9 @@ pub enum HexSplit {
     /// Six tetrahedra, mirrored from cell to cell: equal volumes, no preferred direction.
     #[default]
     Six,
-    /// Five tetrahedra, alternating from cell to cell: fewer, rounder, of unequal volumes.
+    /// Five tetrahedra, alternating from cell to cell: fewer, rounder, of unequal volumes. Where
+    /// cells are bent round (ball, cup, finer lamps and hammers) six are made all the same, since
+    /// five would be flat there.
     Five,
 }
 

@@ -31,29 +31,52 @@ struct DiscQuad {
     ring: u32,
 }
 
+/// How many cells a disc has.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct DiscSize {
+    /// Cells along a side of the core; even, or 1.
+    pub core: u32,
+    /// Rings around the core.
+    pub rings: u32,
+}
+
+impl DiscSize {
+    /// Cells around the rim.
+    pub fn around(self) -> u32 {
+        4 * self.core
+    }
+
+    /// Cells of the core and of all rings, a level.
+    pub fn core_and_ring_cells(self) -> [f64; 2] {
+        let core = f64::from(self.core);
+        [core * core, f64::from(self.rings) * 4.0 * core]
+    }
+}
+
 /// Quadrilaterals that fill a disc.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Disc {
     pub nodes: Vec<DiscNode>,
     quads: Vec<DiscQuad>,
-    /// Cells along a side of the core; even, or 1.
-    core: u32,
-    rings: u32,
+    size: DiscSize,
 }
 
 impl Disc {
-    pub fn new(core: u32, rings: u32) -> Self {
-        let mut disc = Self { core, rings, ..Self::default() };
+    pub fn new(size: DiscSize) -> Self {
+        let mut disc = Self {
+            size,
+            ..Self::default()
+        };
         disc.add_core();
         let mut inner = disc.core_rim();
-        for ring in 1..=rings {
+        for ring in 1..=size.rings {
             inner = disc.add_ring(&inner, ring);
         }
         disc
     }
 
     fn add_core(&mut self) {
-        let n = self.core;
+        let n = self.size.core;
         for j in 0..=n {
             for i in 0..=n {
                 let [u, v] = [i, j].map(|at| 2.0 * f64::from(at) / f64::from(n) - 1.0);
@@ -73,12 +96,12 @@ impl Disc {
     }
 
     fn core_node(&self, [i, j]: [u32; 2]) -> usize {
-        (j * (self.core + 1) + i) as usize
+        (j * (self.size.core + 1) + i) as usize
     }
 
     /// The core's rim, counter-clockwise from the lowest left corner.
     fn core_rim(&self) -> Vec<usize> {
-        let n = self.core;
+        let n = self.size.core;
         let sides = (0..n)
             .map(|s| [s, 0])
             .chain((0..n).map(|s| [n, s]))
@@ -104,21 +127,14 @@ impl Disc {
 
     /// Cells around the rim.
     pub fn around(&self) -> u32 {
-        4 * self.core
+        self.size.around()
     }
 
     /// Index of node `step` (modulo [`Self::around`]) of the outermost circle, which must be a
     /// ring.
     pub fn outer_node(&self, step: u32) -> usize {
-        debug_assert!(self.rings > 0);
+        debug_assert!(self.size.rings > 0);
         self.nodes.len() - (self.around() - step % self.around()) as usize
-    }
-
-    /// Cells of one level for which `wanted` holds of their ring.
-    pub fn cells_where(&self, wanted: impl Fn(u32) -> bool) -> f64 {
-        let core = f64::from(self.core).powi(2) * f64::from(u8::from(wanted(0)));
-        let rings = (1..=self.rings).filter(|&ring| wanted(ring)).count();
-        core + rings as f64 * f64::from(self.around())
     }
 }
 
@@ -190,7 +206,7 @@ mod tests {
     #[test]
     fn a_swept_disc_fills_its_polygon() {
         for (core, rings) in [(1, 0), (1, 2), (2, 1), (4, 0), (6, 3)] {
-            let disc = Disc::new(core, rings);
+            let disc = Disc::new(DiscSize { core, rings });
             let radius = |ring: u32| 1.0 + f64::from(ring);
             let sweep = Sweep::new(
                 &disc,

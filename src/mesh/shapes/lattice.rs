@@ -37,24 +37,28 @@ pub(super) fn lattice(
 }
 
 /// Refuses before anything large is allocated. A lattice may be mostly empty (a table is), so the
-/// solid cells are counted unless even looking at all cells would take too long.
+/// solid cells are counted unless there are so many cells that no shape is as empty.
 fn check_size(
     shape: &'static str,
     cells: [u32; 3],
     region_of: &impl Fn([u32; 3]) -> Option<u32>,
 ) -> Result<(), ShapeError> {
     let lattice_cells: f64 = cells.iter().map(|&n| f64::from(n)).product();
-    if lattice_cells > 20.0 * ELEMENT_LIMIT as f64 {
+    if lattice_cells > LEAST_SOLID * f64::from(ELEMENT_LIMIT) {
         return check_count(shape, lattice_cells);
     }
     let solid = all(cells).filter(|&cell| region_of(cell).is_some()).count();
     check_count(shape, solid as f64)
 }
 
+/// Lattice cells for each allowed element above which nothing is counted any more; a large, thin
+/// table fills one cell in twenty.
+const LEAST_SOLID: f64 = 4.0;
+
 /// Refuses more hexahedra than the element limit allows.
 pub(super) fn check_count(shape: &'static str, hexes: f64) -> Result<(), ShapeError> {
     let elements = 6.0 * hexes;
-    if elements > ELEMENT_LIMIT as f64 {
+    if elements > f64::from(ELEMENT_LIMIT) {
         return Err(ShapeError::TooManyElements { shape, elements });
     }
     Ok(())
@@ -132,10 +136,14 @@ pub(super) fn even_cells_along(length_m: f64, size_m: f64) -> u32 {
     2 * rounded(length_m / (2.0 * size_m))
 }
 
-/// Nearest whole number, from 1 up to far more than any mesh may have along one axis.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a range that fits")]
+/// Nearest whole number, from 1 up to more than any mesh may have along one axis.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to a range that fits"
+)]
 fn rounded(value: f64) -> u32 {
-    value.round().clamp(1.0, 10.0 * ELEMENT_LIMIT as f64) as u32
+    value.round().clamp(1.0, f64::from(ELEMENT_LIMIT)) as u32
 }
 
 /// Maps the square [-1, 1]^2 to the unit disc: concentric squares become concentric circles, and

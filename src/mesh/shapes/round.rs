@@ -1,8 +1,8 @@
 //! Round shapes: ball, cup, lamp.
 
-use super::lathe::{Disc, DiscNode, Sweep};
+use super::lathe::{Disc, DiscNode, DiscSize, Sweep};
 use super::lattice::{Axis, cells_along, check_count, disc_from_square, even_cells_along, lattice};
-use super::{Check, Meshing, ShapeError};
+use super::{Check, HexSplit, Meshing, ShapeError};
 use crate::mesh::TetMesh;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
@@ -37,13 +37,13 @@ impl Ball {
                 self.radius_m * ball_from_cube(DVec3::from_array(cube))
             },
         )?;
-        Ok(hexes.split(meshing.split, &["all"]))
+        Ok(hexes.split(HexSplit::Six, &["all"]))
     }
 }
 
-/// Size of the innermost cubes against straight lines to the surface: chosen by trial for the
-/// best worst element.
-const BALL_CORE_SCALE: f64 = 0.8;
+/// Size of the innermost cubes over cubes spaced evenly to the surface: a compromise, by trial,
+/// between the worst quality (better when larger) and the smallest altitude (better when smaller).
+const BALL_CORE_SCALE: f64 = 0.7;
 
 /// Maps the cube [-1, 1]^3 to the unit ball: cubes near the centre stay cubes, outer ones become
 /// spheres whose points lie at equal angles.
@@ -93,6 +93,8 @@ impl Cup {
     const HANDLE_ENDS: [f64; 2] = [0.27, 0.78];
     /// How far the handle stands out, over the distance between its ends.
     const HANDLE_REACH: f64 = 0.62;
+    /// Greatest thickness of the handle over the cup's height: its ends must stay apart.
+    const HANDLE_SHARE: f64 = 0.16;
     /// Width of the handle as an angle seen from the cup's axis, radians.
     const HANDLE_ANGLE: f64 = 0.36;
 
@@ -102,11 +104,10 @@ impl Cup {
         self.check(check)?;
         let around_m = TAU * self.radius_m;
         let element_m = check.element_size_m(meshing.resolution, around_m / 16.0)?;
-        let plan = self.plan(element_m);
-        plan.check_size(check)?;
+        let plan = self.plan(check, element_m)?;
         let mut sweep = plan.sweep();
         plan.add_handle(&mut sweep);
-        Ok(sweep.mesh.split(meshing.split, &["bowl", "handle"]))
+        Ok(sweep.mesh.split(HexSplit::Six, &["bowl", "handle"]))
     }
 
     fn check(&self, check: Check) -> Result<(), ShapeError> {
@@ -119,19 +120,26 @@ impl Cup {
         check.below("wall_m", self.wall_m, 0.25 * self.height_m, "a quarter of `height_m`")
     }
 
-    fn plan(&self, element_m: f64) -> CupPlan {
+    fn plan(&self, check: Check, element_m: f64) -> Result<CupPlan, ShapeError> {
         let core = even_cells_along(TAU * self.radius_m / 4.0, element_m).max(4);
         let wall_rings = cells_along(self.wall_m, element_m);
         let bottom_m = Self::BOTTOM_RATIO * self.wall_m;
         let bottom = cells_along(bottom_m, element_m);
-        let wall = cells_along(self.height_m - bottom_m, 0.85 * element_m).max(6);
-        CupPlan {
+        let wall = cells_along(self.height_m - bottom_m, 0.75 * element_m).max(6);
+        let size = DiscSize {
+            core,
+            rings: wall_rings,
+        };
+        let [core_cells, ring_cells] = size.core_and_ring_cells();
+        let hexes = (core_cells + ring_cells) * f64::from(bottom) + ring_cells * f64::from(wall);
+        check_count(check.0, hexes)?;
+        Ok(CupPlan {
             cup: *self,
-            disc: Disc::new(core.min(MOST_AROUND), wall_rings.min(MOST_AROUND)),
+            disc: Disc::new(size),
             wall_rings,
             z: Axis::new(&[0.0, bottom_m, self.height_m], &[bottom, wall]),
             element_m,
-        }
+        })
     }
 
     /// Outer radius at height `z_m`: a straight foot that opens into a soft curve.
@@ -141,16 +149,7 @@ impl Cup {
     }
 }
 
-/// Keeps a plan small enough to be made before its size is refused.
-const MOST_AROUND: u32 = 3000;
-
 impl CupPlan {
-    fn check_size(&self, check: Check) -> Result<(), ShapeError> {
-        let bottom = self.disc.cells_where(|_| true) * f64::from(self.z.break_at(1));
-        let wall = self.disc.cells_where(|ring| ring > 0) * f64::from(self.z.cells() - self.z.break_at(1));
-        check_count(check.0, bottom + wall)
-    }
-
     fn sweep(&self) -> Sweep {
         Sweep::new(
             &self.disc,
@@ -186,7 +185,8 @@ impl CupPlan {
 
     fn handle_thickness_cells(&self) -> u32 {
         let width_m = Cup::HANDLE_ANGLE * self.cup.radius_m;
-        cells_along(0.8 * width_m, self.level_m())
+        let thickness_m = (0.8 * width_m).min(Cup::HANDLE_SHARE * self.cup.height_m);
+        cells_along(thickness_m, self.level_m())
     }
 
     fn level_m(&self) -> f64 {
@@ -379,11 +379,11 @@ impl Lamp {
     /// Radius of the shade at the top over that at the rim.
     const SHADE_TAPER: f64 = 0.6;
     /// Thickness of the shade's wall and cap over its radius.
-    const WALL_RATIO: f64 = 0.09;
+    const WALL_RATIO: f64 = 0.12;
     /// Thickness of the foot at the stem over its radius.
-    const FOOT_RATIO: f64 = 0.3;
+    const FOOT_RATIO: f64 = 0.34;
     /// Thickness of the foot at its rim over that at the stem.
-    const RIM_RATIO: f64 = 0.45;
+    const RIM_RATIO: f64 = 0.5;
     /// How much longer than wide the stem's cells may be.
     const STEM_STRETCH: f64 = 4.0;
 
@@ -391,16 +391,17 @@ impl Lamp {
     pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
         let check = Check("lamp");
         self.check(check)?;
-        let element_m = check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
-        let plan = self.plan(element_m);
-        plan.check_size(check)?;
+        let element_m =
+            check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
+        let plan = self.plan(check, element_m)?;
         let sweep = Sweep::new(
             &plan.disc,
             plan.z.cells(),
             |ring, level| plan.region_of(ring, level),
             |node, level| plan.position_m(node, level),
         );
-        Ok(sweep.mesh.split(meshing.split, &["foot", "stem", "shade"]))
+        let split = plan.split(meshing.split);
+        Ok(sweep.mesh.split(split, &["foot", "stem", "shade"]))
     }
 
     fn check(&self, check: Check) -> Result<(), ShapeError> {
@@ -433,11 +434,11 @@ impl Lamp {
         Ok(())
     }
 
-    fn plan(&self, element_m: f64) -> LampPlan {
+    fn plan(&self, check: Check, element_m: f64) -> Result<LampPlan, ShapeError> {
         let side_m = TAU * self.shade_radius_m / 4.0;
         let core = match cells_along(side_m, element_m) {
             1 => 1,
-            _ => even_cells_along(side_m, element_m).min(MOST_AROUND),
+            _ => even_cells_along(side_m, element_m),
         };
         let wall_m = Self::WALL_RATIO * self.shade_radius_m;
         let gap_rings = cells_along(self.foot_radius_m - self.stem_radius_m - wall_m, element_m);
@@ -447,29 +448,42 @@ impl Lamp {
             [0.0, foot_m, self.height_m - self.shade_height_m, self.height_m - wall_m, self.height_m];
         let stem_cell_m = TAU * self.stem_radius_m / f64::from(4 * core);
         let stem_element_m = element_m.min(Self::STEM_STRETCH * stem_cell_m);
-        LampPlan {
+        let levels = [
+            cells_along(foot_m, element_m),
+            cells_along(breaks_m[2] - foot_m, stem_element_m),
+            cells_along(breaks_m[3] - breaks_m[2], stem_element_m),
+            cells_along(wall_m, element_m),
+        ];
+        let size = DiscSize {
+            core,
+            rings: gap_rings + wall_rings,
+        };
+        check_count(check.0, lamp_cells(size, wall_rings, levels))?;
+        Ok(LampPlan {
             lamp: *self,
-            disc: Disc::new(core, (gap_rings + wall_rings).min(MOST_AROUND)),
+            disc: Disc::new(size),
             gap_rings,
             wall_rings,
-            z: Axis::new(
-                &breaks_m,
-                &[
-                    cells_along(foot_m, element_m),
-                    cells_along(breaks_m[2] - foot_m, stem_element_m),
-                    cells_along(breaks_m[3] - breaks_m[2], stem_element_m),
-                    cells_along(wall_m, element_m),
-                ],
-            ),
-        }
+            z: Axis::new(&breaks_m, &levels),
+        })
     }
 }
 
+/// Hexahedra of a lamp; `levels` counts those of foot, stem, shade and cap.
+fn lamp_cells(size: DiscSize, wall_rings: u32, levels: [u32; 4]) -> f64 {
+    let [core, rings] = size.core_and_ring_cells();
+    let wall = f64::from(size.around()) * f64::from(wall_rings);
+    let [foot, stem, shade, cap] = levels.map(f64::from);
+    (core + rings) * (foot + cap) + core * stem + (core + wall) * shade
+}
+
 impl LampPlan {
-    fn check_size(&self, check: Check) -> Result<(), ShapeError> {
-        let hexes = self.disc.cells_where(|_| true) * f64::from(self.z.cells());
-        // The foot, the cap and the wall are a small share of the whole cylinder.
-        check_count(check.0, hexes / 4.0)
+    fn split(&self, wanted: HexSplit) -> HexSplit {
+        if self.disc.around() > 4 {
+            HexSplit::Six
+        } else {
+            wanted
+        }
     }
 
     fn region_of(&self, ring: u32, level: u32) -> Option<u32> {

@@ -1,0 +1,130 @@
+// The bodies: soft key light with shadow, ambient light from sky and floor, a faint rim, a
+// little gloss; colours of materials or of values; element edges.
+
+@group(1) @binding(0) var shadow_map: texture_depth_2d;
+@group(1) @binding(1) var shadow_sampler: sampler_comparison;
+@group(1) @binding(2) var color_map: texture_2d<f32>;
+@group(1) @binding(3) var color_map_sampler: sampler;
+
+struct VertexInput {
+    @builtin(vertex_index) index: u32,
+    @location(0) position: vec3<f32>,
+    // Unit normal, and 1 on crack faces.
+    @location(1) normal_and_crack: vec4<f32>,
+    // sRGB, and gloss.
+    @location(2) color_and_gloss: vec4<f32>,
+    // Position on the colour map, negative for the base colour.
+    @location(3) map_position: f32,
+}
+
+struct VertexOutput {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) world: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) corner: vec3<f32>,
+    @location(3) map_position: f32,
+    @location(4) @interpolate(flat) color: vec3<f32>,
+    @location(5) @interpolate(flat) gloss_and_crack: vec2<f32>,
+}
+
+fn linear_from_srgb(srgb: vec3<f32>) -> vec3<f32> {
+    let curved = pow((srgb + 0.055) / 1.055, vec3<f32>(2.4));
+    return select(curved, srgb / 12.92, srgb <= vec3<f32>(0.04045));
+}
+
+@vertex
+fn vertex(in: VertexInput) -> VertexOutput {
+    var out: VertexOutput;
+    out.clip = frame.clip_from_world * vec4<f32>(in.position, 1.0);
+    out.world = in.position;
+    out.normal = in.normal_and_crack.xyz;
+    out.corner = vec3<f32>(0.0);
+    out.corner[in.index % 3u] = 1.0;
+    out.map_position = in.map_position;
+    out.color = linear_from_srgb(in.color_and_gloss.rgb);
+    out.gloss_and_crack = vec2<f32>(in.color_and_gloss.a, in.normal_and_crack.w);
+    return out;
+}
+
+// The share of the key light that arrives, with a soft edge of a few texels. The point is
+// lifted off its surface, the more the flatter the light falls, so that no surface shadows
+// itself.
+fn key_visibility(world: vec3<f32>, normal: vec3<f32>, facing: f32) -> f32 {
+    let lift = frame.shadow_texel * (1.0 + 2.0 * sqrt(saturate(1.0 - facing * facing)));
+    let projected = frame.shadow_from_world * vec4<f32>(world + normal * lift, 1.0);
+    let uv = vec2<f32>(0.5 + 0.5 * projected.x, 0.5 - 0.5 * projected.y);
+    let texel = 1.0 / vec2<f32>(textureDimensions(shadow_map));
+    var open = 0.0;
+    // Four bilinear comparisons, turned against the grid.
+    let taps = array<vec2<f32>, 4>(
+        vec2<f32>(0.6, 1.3), vec2<f32>(1.3, -0.6), vec2<f32>(-0.6, -1.3), vec2<f32>(-1.3, 0.6),
+    );
+    for (var i = 0; i < 4; i++) {
+        open += textureSampleCompareLevel(
+            shadow_map, shadow_sampler, uv + taps[i] * texel, projected.z);
+    }
+    return open * 0.25;
+}
+
+// How much of an element edge covers the pixel.
+fn edge_cover(corner: vec3<f32>) -> f32 {
+    let per_pixel = max(fwidth(corner), vec3<f32>(1e-6));
+    let pixels = corner / per_pixel;
+    let nearest = min(pixels.x, min(pixels.y, pixels.z));
+    let half = 0.5 * frame.wire_width;
+    let cover = 1.0 - smoothstep(half - 0.5, half + 0.5, nearest);
+    // Elements of a few pixels would drown in their edges.
+    let height = 1.0 / max(per_pixel.x, max(per_pixel.y, per_pixel.z));
+    return cover * mix(0.25, 1.0, smoothstep(2.0, 9.0, height / frame.wire_width));
+}
+
+// Keeps highlights from clipping to flat white.
+fn shoulder(color: vec3<f32>) -> vec3<f32> {
+    let over = max(color - 0.8, vec3<f32>(0.0));
+    return min(color, vec3<f32>(0.8)) + 0.2 * (1.0 - exp(-over / 0.2));
+}
+
+@fragment
+fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+    let normal = normalize(in.normal);
+    let to_eye = normalize(frame.eye - in.world);
+    let facing = dot(normal, frame.towards_light);
+    let has_value = in.map_position >= 0.0;
+
+    var base = in.color;
+    var gloss = in.gloss_and_crack.x;
+    if has_value {
+        let place = vec2<f32>(saturate(in.map_position) * 0.99609375 + 0.001953125, frame.map_row);
+        let mapped = textureSampleLevel(color_map, color_map_sampler, place, 0.0).rgb;
+        // Crack faces keep a hint of their tint.
+        base = mix(mapped, in.color, 0.3 * in.gloss_and_crack.y);
+        gloss = gloss * 0.3;
+    }
+
+    var key = 0.0;
+    if facing > 0.0 {
+        key = facing * key_visibility(in.world, normal, facing);
+    }
+    // Near the floor, less light comes from below.
+    let above_floor = max(in.world.z - frame.floor_height, 0.0) / frame.floor_reach;
+    let enclosed = exp(-2.5 * above_floor) * (0.5 - 0.5 * normal.z);
+    let ambient = mix(frame.bounce_light, frame.sky_light, 0.5 + 0.5 * normal.z)
+        * (1.0 - 0.7 * enclosed);
+    let half_way = normalize(to_eye + frame.towards_light);
+    let highlight = pow(saturate(dot(normal, half_way)), 48.0) * 0.22 * gloss;
+    let grazing = 1.0 - saturate(dot(normal, to_eye));
+    let fresnel = (0.05 + 0.6 * grazing * grazing * grazing * grazing) * gloss;
+    let mirrored = reflect(-to_eye, normal);
+    let rim = frame.rim_light * (fresnel * smoothstep(-0.25, 0.55, mirrored.z));
+
+    var light = frame.key_light * key + ambient;
+    if has_value {
+        // Flatter light, so that the colours stay near those of the legend.
+        light = mix(light, vec3<f32>(0.88), 0.4);
+    }
+    var color = base * light + frame.key_light * (highlight * key) + rim;
+    if frame.wireframe > 0.0 {
+        color = mix(color, frame.wire_color, edge_cover(in.corner) * frame.wire_opacity);
+    }
+    return encoded(shoulder(color));
+}

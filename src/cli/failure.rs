@@ -1,0 +1,127 @@
+//! What can go wrong, and the one place that tells it.
+
+use crate::export::ExportError;
+use crate::export::png::PictureError;
+use crate::sim::SimError;
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+/// Exit status of a run that failed.
+pub const STATUS_RUN_FAILED: u8 = 1;
+/// Exit status of bad usage or bad input.
+pub const STATUS_BAD_INPUT: u8 = 2;
+/// Exit status after Ctrl-C, as shells count it: 128 + SIGINT.
+pub const STATUS_INTERRUPTED: u8 = 130;
+
+/// Why a subcommand did not do all it was asked for.
+#[derive(Debug)]
+pub enum Failure {
+    /// What was asked for makes no sense or cannot be read: nothing was run.
+    BadInput(String),
+    /// It was begun and went wrong.
+    Run(String),
+    /// The user stopped it; the text says what was kept.
+    Interrupted(String),
+    /// Whoever read the output has seen enough (`hammerfall scenes | head -1`).
+    OutputClosed,
+}
+
+impl Failure {
+    /// Tells the user and gives the exit status.
+    pub fn report(&self) -> ExitCode {
+        let (word, message, status) = match self {
+            Self::BadInput(message) => ("error", message, STATUS_BAD_INPUT),
+            Self::Run(message) => ("error", message, STATUS_RUN_FAILED),
+            Self::Interrupted(message) => ("interrupted", message, STATUS_INTERRUPTED),
+            Self::OutputClosed => return ExitCode::SUCCESS,
+        };
+        // A closed stderr leaves nobody to tell; the exit status still says it.
+        let _ = writeln!(io::stderr(), "{word}: {message}");
+        ExitCode::from(status)
+    }
+
+    /// The same reason, for something that happened before anything was run.
+    pub fn before_the_run(self) -> Self {
+        match self {
+            Self::Run(message) => Self::BadInput(message),
+            other => other,
+        }
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::BadInput(message) | Self::Run(message) | Self::Interrupted(message) => message,
+            Self::OutputClosed => "nobody reads the output any more",
+        })
+    }
+}
+
+impl From<SimError> for Failure {
+    fn from(error: SimError) -> Self {
+        match error {
+            SimError::Setup(reason) => Self::BadInput(reason),
+            SimError::NotFinite { .. } => Self::Run(error.to_string()),
+        }
+    }
+}
+
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
+        Self::Run(error.to_string())
+    }
+}
+
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        Self::Run(error.to_string())
+    }
+}
+
+/// Prints clap's message, or the help that was asked for, and gives its exit status.
+pub fn report_usage(error: &clap::Error) -> ExitCode {
+    // Fails only when nobody reads any more.
+    let _ = error.print();
+    ExitCode::from(if error.use_stderr() { STATUS_BAD_INPUT } else { 0 })
+}
+
+/// Makes a panic say that it is our mistake, in words instead of a dump.
+pub fn install_panic_hook() {
+    std::panic::set_hook(Box::new(|info| {
+        let reason = info.payload_as_str().unwrap_or("no reason given");
+        let place = info.location().map_or_else(|| "an unknown place".to_owned(), ToString::to_string);
+        let backtrace = std::backtrace::Backtrace::capture();
+        let details = match backtrace.status() {
+            std::backtrace::BacktraceStatus::Captured => backtrace.to_string(),
+            _ => "RUST_BACKTRACE=1 shows where it came from.".to_owned(),
+        };
+        let _ = writeln!(
+            io::stderr(),
+            "error: this is a mistake in hammerfall, not in your input: {reason}\n  \
+             at {place}\n  \
+             Please report it with the command line and the scene. What was written so far is kept.\n  \
+             {details}"
+        );
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_stops_before_the_run_is_bad_input() {
+        let unsound = Failure::from(SimError::Setup("bodies overlap".to_owned()));
+        assert!(matches!(unsound, Failure::BadInput(_)));
+        let blown_up = Failure::from(SimError::NotFinite {
+            body: "ball".to_owned(),
+            what: "stress",
+            place: "element 3".to_owned(),
+            step: 7,
+            time_s: 0.5,
+        });
+        assert!(matches!(&blown_up, Failure::Run(text) if text.contains("element 3")));
+        assert!(matches!(blown_up.before_the_run(), Failure::BadInput(_)));
+    }
+}

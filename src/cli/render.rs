@@ -1,0 +1,196 @@
+//! `hammerfall render`: a scene as pictures, without a window.
+//!
+//! The whole scene is simulated first and drawn then: only so do camera, floor and colour map
+//! fit all of it and stand still.
+
+use super::args::{CommonArgs, Size, parse_color_by, parse_duration, parse_factor, parse_size, parse_time};
+use super::console::{Console, seconds};
+use super::failure::Failure;
+use super::interrupt;
+use super::picture_output::{OutputKind, PictureSink};
+use super::scene_source;
+use super::shot::{Shot, Studio};
+use super::stepping::{self, Arrival};
+use crate::frame::Frame;
+use crate::render::ColorBy;
+use crate::sim::World;
+use clap::Args;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Built-in scene or scene file
+    pub scene: String,
+    /// What to write: a .png (one moment), a .gif, or a folder of numbered PNGs
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<Size>,
+    /// Pictures a second
+    #[arg(long, value_name = "N", value_parser = parse_factor, allow_negative_numbers = true)]
+    pub fps: Option<f64>,
+    /// Simulated time
+    #[arg(long, value_name = "S", value_parser = parse_duration, allow_negative_numbers = true)]
+    pub duration: Option<f64>,
+    /// The moment that a .png shows; the last one by default
+    #[arg(long, value_name = "S", value_parser = parse_time, allow_negative_numbers = true)]
+    #[arg(conflicts_with_all = ["duration", "fps", "slow_motion"])]
+    pub at: Option<f64>,
+    /// How many times slower than life
+    #[arg(long, value_name = "K", value_parser = parse_factor, allow_negative_numbers = true)]
+    pub slow_motion: Option<f64>,
+    /// A view of the scene, or: three-quarter, front, right, back, left, top, rear-quarter, low, high
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Colour by: material, body, speed, displacement, von-mises, max-principal, min-principal, mean-stress
+    #[arg(long, value_name = "FIELD", value_parser = parse_color_by)]
+    pub color_by: Option<ColorBy>,
+    /// Draw the edges of the elements
+    #[arg(long)]
+    pub wireframe: bool,
+    /// Leave out time and slow motion in the corner
+    #[arg(long)]
+    pub no_caption: bool,
+    /// Replace pictures in the folder OUT even if other files lie beside them
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Simulates the scene and draws it.
+///
+/// # Errors
+/// [`Failure`] as the exit statuses say; pictures finished before stay readable.
+pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<(), Failure> {
+    let kind = OutputKind::of(&args.output)?;
+    if args.at.is_some() && kind != OutputKind::Png {
+        return Err(Failure::BadInput(
+            "`--at` picks the moment of a single picture; name the output something.png".to_owned(),
+        ));
+    }
+    let scene = scene_source::load(&args.scene, &common.overrides, console)?;
+    let shot = Shot::new(args, &scene.description, kind)?;
+    let mut world = World::new(scene.setup.clone())?;
+    // Before the simulation, which may take long: is there something to draw with, and a place?
+    let mut studio = Studio::open()?;
+    let sink = PictureSink::create(&args.output, &shot, args.force, console)?;
+    interrupt::listen()?;
+
+    let started = Instant::now();
+    let (frames, simulated) = simulate(&mut world, &shot, console);
+    let simulated_in_s = started.elapsed().as_secs_f64();
+    let drawn = draw(&frames, &shot, &mut studio, sink, console);
+    Report {
+        args,
+        frames: frames.len(),
+        time_s: world.time_s(),
+        simulated_in_s,
+        drawn_in_s: started.elapsed().as_secs_f64() - simulated_in_s,
+    }
+    .tell(simulated, drawn, console)
+}
+
+/// The frames up to the end, or to where the run failed or was interrupted.
+fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Vec<Frame>, Result<Arrival, Failure>) {
+    let mut frames = Vec::new();
+    let mut progress = console.progress(shot.end_s());
+    for moment_s in shot.moments_s() {
+        let arrival = stepping::advance(world, moment_s, |_, step| {
+            progress.at(step.time_s, || format!("simulating t = {:.4e} s", step.time_s));
+            Ok(())
+        });
+        if !matches!(arrival, Ok(Arrival::Reached)) {
+            return (frames, arrival);
+        }
+        frames.push(world.publish());
+    }
+    (frames, Ok(Arrival::Reached))
+}
+
+/// Draws the frames; gives how many were finished.
+fn draw(
+    frames: &[Frame],
+    shot: &Shot,
+    studio: &mut Studio,
+    mut sink: PictureSink,
+    console: &Console,
+) -> Result<usize, Failure> {
+    // A wish to stop during the simulation still gets the frames that were simulated; only one
+    // during drawing stops that.
+    let stopped_before = interrupt::requested();
+    let mut progress = console.progress(frames.len() as f64);
+    let setting = shot.setting(frames);
+    let mut finished = 0;
+    for frame in frames {
+        if interrupt::requested() && !stopped_before {
+            break;
+        }
+        sink.add(&studio.draw(frame, &setting)?)?;
+        finished += 1;
+        progress.at(finished as f64, || format!("drawing {finished} of {}", frames.len()));
+    }
+    sink.finish()?;
+    Ok(finished)
+}
+
+/// What the closing message tells.
+struct Report<'a> {
+    args: &'a RenderArgs,
+    frames: usize,
+    time_s: f64,
+    simulated_in_s: f64,
+    drawn_in_s: f64,
+}
+
+impl Report<'_> {
+    fn tell(
+        &self,
+        simulated: Result<Arrival, Failure>,
+        drawn: Result<usize, Failure>,
+        console: &Console,
+    ) -> Result<(), Failure> {
+        let output = self.args.output.display();
+        // Why the simulation failed matters more than what came of the drawing.
+        let arrival = simulated.map_err(|failure| self.with_what_is_kept(failure, &drawn))?;
+        let finished = drawn?;
+        let pictures = count_pictures(finished);
+        if arrival == Arrival::Interrupted || finished < self.frames {
+            let kept = self.kept(finished);
+            return Err(Failure::Interrupted(format!("stopped at t = {}; {kept}", seconds(self.time_s))));
+        }
+        console.closing(format_args!(
+            "{} simulated in {:.1} s, {pictures} drawn in {:.1} s",
+            seconds(self.time_s),
+            self.simulated_in_s,
+            self.drawn_in_s,
+        ))?;
+        console.closing(format_args!("wrote `{output}`"))
+    }
+
+    fn with_what_is_kept(&self, failure: Failure, drawn: &Result<usize, Failure>) -> Failure {
+        match (failure, drawn) {
+            (Failure::Run(reason), Ok(finished)) => {
+                Failure::Run(format!("{reason}\n{}", self.kept(*finished)))
+            }
+            (failure, _) => failure,
+        }
+    }
+
+    fn kept(&self, finished: usize) -> String {
+        match finished {
+            0 => "nothing was drawn yet".to_owned(),
+            count => {
+                format!("`{}` keeps the {} up to there", self.args.output.display(), count_pictures(count))
+            }
+        }
+    }
+}
+
+fn count_pictures(count: usize) -> String {
+    match count {
+        1 => "1 picture".to_owned(),
+        _ => format!("{count} pictures"),
+    }
+}

@@ -1,0 +1,23 @@
+//! Loading scenes for the subcommands.
+
+use super::console::Console;
+use super::failure::Failure;
+use crate::scene::{BUILTIN_SCENES, Scene};
+
+/// Loads a built-in scene or a scene file with the overrides, and passes on what reading its
+/// meshes had to say.
+///
+/// # Errors
+/// [`Failure::BadInput`] with everything that is wrong with it.
+pub fn load(name_or_path: &str, overrides: &[String], console: &Console) -> Result<Scene, Failure> {
+    let scene = Scene::load(name_or_path, overrides).map_err(|error| Failure::BadInput(error.to_string()))?;
+    for (body, note) in &scene.summary.notes {
+        console.note(format_args!("note on `{body}`: {note}"));
+    }
+    Ok(scene)
+}
+
+/// Whether a built-in scene has this name.
+pub fn is_built_in(name: &str) -> bool {
+    BUILTIN_SCENES.iter().any(|scene| scene.name == name)
+}

@@ -1,0 +1,264 @@
+//! What `render` shows: which moments, from where, in which colours.
+
+use super::failure::Failure;
+use super::picture_output::OutputKind;
+use super::render::RenderArgs;
+use crate::frame::Frame;
+use crate::render::{
+    Camera, Caption, ColorBy, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range, View,
+};
+use crate::scene::SceneDescription;
+use crate::scene::description::{Camera as SceneCamera, Eye, Recording};
+use glam::Vec3;
+
+/// More pictures than this are surely a slip of the slow motion or the rate.
+const MOST_FRAMES: f64 = 10_000.0;
+
+/// Which pictures to take, and how.
+pub struct Shot {
+    moments: Moments,
+    camera: CameraChoice,
+    color_by: ColorBy,
+    wireframe: bool,
+    caption: Option<Caption>,
+    /// Width and height, pixels.
+    pub size_px: [u32; 2],
+    /// Pictures a second.
+    pub fps: f64,
+}
+
+/// When pictures are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Moments {
+    One { at_s: f64 },
+    Even { start_s: f64, interval_s: f64, count: u32 },
+}
+
+impl Moments {
+    fn time_s(self, index: u32) -> f64 {
+        match self {
+            Self::One { at_s } => at_s,
+            Self::Even { start_s, interval_s, .. } => start_s + f64::from(index) * interval_s,
+        }
+    }
+
+    fn count(self) -> u32 {
+        match self {
+            Self::One { .. } => 1,
+            Self::Even { count, .. } => count,
+        }
+    }
+}
+
+/// Where the picture is taken from, before it is known what there is to see.
+#[derive(Clone, Debug, PartialEq)]
+enum CameraChoice {
+    OfScene(SceneCamera),
+    Named(NamedView),
+}
+
+/// Everything about a picture but the frame.
+pub struct Setting {
+    camera: Camera,
+    view: View,
+    size_px: [u32; 2],
+}
+
+impl Shot {
+    /// Settles what the arguments leave open by what the scene says.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for an unknown camera, or far too many pictures.
+    pub fn new(args: &RenderArgs, scene: &SceneDescription, kind: OutputKind) -> Result<Self, Failure> {
+        let recording = &scene.recording;
+        let slow_motion = args.slow_motion.unwrap_or(recording.slow_motion);
+        let fps = args.fps.unwrap_or(recording.fps);
+        let end_s = args.duration.unwrap_or(scene.duration_s);
+        let moments = match kind {
+            OutputKind::Png => Moments::One { at_s: args.at.unwrap_or(end_s) },
+            _ => even_moments(recording.start_s, end_s, 1.0 / (fps * slow_motion))?,
+        };
+        let caption = Caption {
+            show_time: true,
+            slow_motion: (kind != OutputKind::Png).then_some(slow_motion),
+            text: String::new(),
+        };
+        Ok(Self {
+            moments,
+            camera: choose_camera(args.camera.as_deref(), scene)?,
+            color_by: match args.color_by {
+                Some(color_by) => color_by,
+                None => color_by_of(recording)?,
+            },
+            wireframe: args.wireframe,
+            caption: (!args.no_caption).then_some(caption),
+            size_px: args.size.map_or(recording.size_px, |size| [size.width, size.height]),
+            fps,
+        })
+    }
+
+    /// The moments of the pictures, s.
+    pub fn moments_s(&self) -> impl Iterator<Item = f64> + use<> {
+        let moments = self.moments;
+        (0..moments.count()).map(move |index| moments.time_s(index))
+    }
+
+    /// Moment of the last picture, s.
+    pub fn end_s(&self) -> f64 {
+        self.moments.time_s(self.moments.count() - 1)
+    }
+
+    /// Camera, floor and colours that serve all the frames.
+    pub fn setting(&self, frames: &[Frame]) -> Setting {
+        let mut framing = Framing::default();
+        frames.iter().for_each(|frame| framing.include(frame));
+        let [width, height] = self.size_px;
+        let range = self.color_by.has_values().then(|| Range::of_frames(frames, self.color_by));
+        Setting {
+            camera: self.camera.resolve(&framing, width as f32 / height as f32),
+            view: View {
+                color_by: self.color_by,
+                range,
+                wireframe: self.wireframe,
+                ground: framing.floor().map_or(Ground::Hidden, Ground::At),
+                caption: self.caption.clone(),
+                ..View::for_size(self.size_px)
+            },
+            size_px: self.size_px,
+        }
+    }
+}
+
+/// Every `interval_s` from `start_s` up to `end_s`.
+fn even_moments(start_s: f64, end_s: f64, interval_s: f64) -> Result<Moments, Failure> {
+    let intervals = (end_s - start_s).max(0.0) / interval_s;
+    // A whole number of intervals must not be lost to a rounding.
+    let count = (intervals * (1.0 + 1e-9)).floor() + 1.0;
+    if count > MOST_FRAMES {
+        return Err(Failure::BadInput(format!(
+            "that would be {count} pictures, {interval_s:e} s apart, and {MOST_FRAMES} is the limit; \
+             choose a smaller --slow-motion, --fps or --duration"
+        )));
+    }
+    Ok(Moments::Even { start_s, interval_s, count: count as u32 })
+}
+
+fn color_by_of(recording: &Recording) -> Result<ColorBy, Failure> {
+    let name = recording.color_by.name();
+    name.parse().map_err(|error: crate::render::UnknownColorBy| Failure::BadInput(error.to_string()))
+}
+
+fn choose_camera(asked: Option<&str>, scene: &SceneDescription) -> Result<CameraChoice, Failure> {
+    let Some(name) = asked.or(scene.recording.camera.as_deref()) else {
+        let first = scene.cameras.first().cloned();
+        return Ok(first.map_or_else(|| CameraChoice::Named(NamedView::default()), CameraChoice::OfScene));
+    };
+    if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
+        return Ok(CameraChoice::OfScene(camera.clone()));
+    }
+    name.parse().map(CameraChoice::Named).map_err(|_| unknown_camera(name, scene))
+}
+
+fn unknown_camera(name: &str, scene: &SceneDescription) -> Failure {
+    let own = scene.cameras.iter().map(|camera| camera.name.as_str());
+    let names: Vec<&str> = own.chain(NamedView::ALL.map(NamedView::name)).collect();
+    Failure::BadInput(format!("there is no camera `{name}` here; choose one of {}", names.join(", ")))
+}
+
+impl CameraChoice {
+    fn resolve(&self, framing: &Framing, aspect: f32) -> Camera {
+        match self {
+            Self::Named(view) => framing.camera(*view, aspect),
+            Self::OfScene(camera) => scene_camera(camera, framing, aspect),
+        }
+    }
+}
+
+fn scene_camera(wanted: &SceneCamera, framing: &Framing, aspect: f32) -> Camera {
+    let target_m = wanted.target_m.map(|target| target.as_vec3());
+    let mut camera =
+        Camera { fov_y_rad: (wanted.field_of_view_deg as f32).to_radians(), ..Camera::default() };
+    match wanted.eye {
+        Eye::At(eye_m) => {
+            framing.fit(&mut camera, aspect);
+            let target_m = target_m.unwrap_or(camera.target_m);
+            look_from(&mut camera, eye_m.as_vec3(), target_m);
+        }
+        Eye::Around { yaw_deg, pitch_deg, distance_m } => {
+            camera.yaw_rad = (yaw_deg as f32).to_radians();
+            camera.pitch_rad = (pitch_deg as f32).to_radians();
+            framing.fit(&mut camera, aspect);
+            camera.target_m = target_m.unwrap_or(camera.target_m);
+            camera.distance_m = distance_m.map_or(camera.distance_m, |distance| distance as f32);
+        }
+    }
+    camera
+}
+
+/// Turns an orbit camera so that its eye is at a point.
+fn look_from(camera: &mut Camera, eye_m: Vec3, target_m: Vec3) {
+    let back = eye_m - target_m;
+    camera.target_m = target_m;
+    camera.distance_m = back.length();
+    camera.yaw_rad = back.x.atan2(-back.y);
+    camera.pitch_rad = back.z.atan2(back.truncate().length());
+}
+
+/// Something to draw with.
+pub struct Studio {
+    screen: OffScreen,
+}
+
+impl Studio {
+    /// Opens the graphics device.
+    ///
+    /// # Errors
+    /// [`Failure::Run`] when there is none; the message names what to install.
+    pub fn open() -> Result<Self, Failure> {
+        let open = || OffScreen::new(&Gpu::headless()?);
+        Ok(Self { screen: open().map_err(gpu_failure)? })
+    }
+
+    /// Draws a frame.
+    ///
+    /// # Errors
+    /// [`Failure::Run`] with what went wrong on the device.
+    pub fn draw(&mut self, frame: &Frame, setting: &Setting) -> Result<Picture, Failure> {
+        self.screen.render(setting.size_px, frame, &setting.camera, &setting.view).map_err(gpu_failure)
+    }
+}
+
+fn gpu_failure(error: GpuError) -> Failure {
+    Failure::Run(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stepping;
+    use super::*;
+
+    #[test]
+    fn the_last_whole_interval_is_not_lost() {
+        // 0.3 / 0.1 is a rounding below 3.
+        let moments = even_moments(0.0, 0.3, 0.1).unwrap();
+        assert_eq!(moments.count(), 4);
+        assert!(stepping::reached(moments.time_s(3), 0.3));
+        assert_eq!(even_moments(0.0, 0.35, 0.1).unwrap().count(), 4);
+        assert_eq!(even_moments(2.0, 1.0, 0.1).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn absurd_numbers_of_pictures_are_refused() {
+        let refused = even_moments(0.0, 1.0, 1e-9);
+        assert!(matches!(refused, Err(Failure::BadInput(text)) if text.contains("--slow-motion")));
+    }
+
+    #[test]
+    fn a_camera_at_a_point_has_its_eye_there() {
+        let (eye_m, target_m) = (Vec3::new(3.0, -2.0, 1.5), Vec3::new(0.5, 0.5, 0.5));
+        let mut camera = Camera::default();
+        look_from(&mut camera, eye_m, target_m);
+        assert!((camera.eye_m() - eye_m).length() < 1e-5, "{}", camera.eye_m());
+        assert_eq!(camera.target_m, target_m);
+    }
+}

@@ -1,0 +1,109 @@
+//! Depth seen along a direction: the shadow map, and the heights above the floor.
+
+use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts};
+use crate::render::surface_pass::VERTEX_LAYOUT;
+use glam::Mat4;
+
+pub(crate) const WGSL: &str = include_str!("../../shaders/depth_pass.wgsl");
+
+/// The pipeline, shared by all depth maps.
+#[derive(Debug)]
+pub(crate) struct DepthPass {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::RenderPipeline,
+}
+
+/// A depth texture and the matrix it is drawn with.
+#[derive(Debug)]
+pub(crate) struct DepthMap {
+    pub view: wgpu::TextureView,
+    pub side_px: u32,
+    matrix: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl DepthPass {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let layout = bindings::layout(device, "depth pass", &[bindings::uniform()]);
+        let shader = bindings::shader(device, "depth pass", WGSL);
+        let pipeline = PipelineParts {
+            label: "depth pass",
+            shader: &shader,
+            layouts: &[&layout],
+            vertex_entry: "vertex",
+            vertex_buffer: Some(VERTEX_LAYOUT),
+            fragment: None,
+            depth: Some(depth_state()),
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            cull: None,
+            samples: 1,
+        };
+        Self {
+            pipeline: pipeline.build(device),
+            layout,
+        }
+    }
+
+    pub fn new_map(&self, device: &wgpu::Device, label: &str, side_px: u32) -> DepthMap {
+        let texture = bindings::render_texture(device, label, [side_px; 2], DEPTH_FORMAT);
+        let matrix = bindings::uniform_buffer::<[f32; 16]>(device, label);
+        DepthMap {
+            view: bindings::whole(&texture),
+            side_px,
+            group: bindings::group(device, &self.layout, &[matrix.as_entire_binding()]),
+            matrix,
+        }
+    }
+
+    /// Fills `map` with the smallest depth of the triangles, 1 where there are none.
+    pub fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap,
+        vertices: &wgpu::Buffer,
+        count: u32,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("depth pass"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &map.view,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &map.group, &[]);
+        pass.set_vertex_buffer(0, vertices.slice(..));
+        pass.draw(0..count, 0..1);
+    }
+}
+
+impl DepthMap {
+    pub fn set_matrix(&self, queue: &wgpu::Queue, clip_from_world: Mat4) {
+        queue.write_buffer(
+            &self.matrix,
+            0,
+            bytemuck::bytes_of(&clip_from_world.to_cols_array()),
+        );
+    }
+}
+
+fn depth_state() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Less),
+        stencil: Default::default(),
+        bias: wgpu::DepthBiasState {
+            constant: 0,
+            // Steep faces span more depth per texel; pushing them back keeps them from
+            // shadowing themselves. More would let light leak in where bodies touch.
+            slope_scale: 1.5,
+            clamp: 0.0,
+        },
+    }
+}

@@ -1,0 +1,72 @@
+//! How much light reaches each place of the floor.
+
+use crate::render::bindings::{self, PipelineParts};
+use crate::render::depth_pass::DepthMap;
+use crate::render::frame_uniforms::{FrameBinding, with_prelude};
+use wgpu::BindingResource;
+
+pub(crate) const WGSL: &str = include_str!("../../shaders/floor_light_pass.wgsl");
+
+/// Two channels are enough, and eight bits for what is at most a shade of grey.
+pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
+
+#[derive(Debug)]
+pub(crate) struct FloorLightPass {
+    /// Key light in red, ambient light in green; see `FloorFit` for where it lies.
+    pub map: wgpu::TextureView,
+    pipeline: wgpu::RenderPipeline,
+    group: wgpu::BindGroup,
+}
+
+impl FloorLightPass {
+    pub fn new(
+        device: &wgpu::Device,
+        frame: &FrameBinding,
+        maps: [&DepthMap; 2],
+        side_px: u32,
+    ) -> Self {
+        let types = [bindings::depth_texture(); 2];
+        let layout = bindings::layout(device, "floor light pass", &types);
+        let shader = bindings::shader(device, "floor light pass", &with_prelude(WGSL));
+        let layouts = [&frame.layout, &layout];
+        let parts = PipelineParts::full_screen("floor light pass", &shader, &layouts, FORMAT);
+        let texture = bindings::render_texture(device, "floor light", [side_px; 2], FORMAT);
+        Self {
+            map: bindings::whole(&texture),
+            pipeline: parts.build(device),
+            group: bindings::group(
+                device,
+                &layout,
+                &maps.map(|map| BindingResource::TextureView(&map.view)),
+            ),
+        }
+    }
+
+    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, frame: &FrameBinding) {
+        let mut pass = begin(encoder, &self.map);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &frame.group, &[]);
+        pass.set_bind_group(1, &self.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// Starts drawing over all of a floor map.
+pub(crate) fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    map: &wgpu::TextureView,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("floor map"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: map,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        ..Default::default()
+    })
+}

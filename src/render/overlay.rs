@@ -1,0 +1,277 @@
+//! Text over the picture: legend and caption, drawn with egui's fonts, without a window.
+
+use crate::render::color_map::ColorMap;
+use crate::render::gpu::Gpu;
+use crate::render::range::{Range, short, si_prefix, with_unit};
+use crate::render::theme::Theme;
+use crate::render::view::{Caption, ColorBy, View};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+
+/// Free space around the texts, points.
+const MARGIN: f32 = 16.0;
+const TITLE_SIZE: f32 = 14.0;
+const TEXT_SIZE: f32 = 13.0;
+/// Width of the colour bar, points, and its height as a share of the picture's.
+const BAR_WIDTH: f32 = 12.0;
+const BAR_SHARE: f32 = 0.38;
+/// Steps of the colour bar; each is drawn as a blend between two colours of the map.
+const BAR_STEPS: usize = 48;
+
+/// Where the picture lies in its target, pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement {
+    pub target_px: [u32; 2],
+    pub origin_px: [u32; 2],
+    pub size_px: [u32; 2],
+}
+
+/// What to write.
+#[derive(Debug)]
+pub(crate) struct OverlayContent<'a> {
+    pub view: &'a View,
+    pub time_s: f64,
+    pub range: Option<Range>,
+}
+
+/// The egui context and its renderer; both live as long as the pictures go on.
+pub(crate) struct Overlay {
+    context: egui::Context,
+    renderer: egui_wgpu::Renderer,
+    jobs: Vec<egui::ClippedPrimitive>,
+    screen: egui_wgpu::ScreenDescriptor,
+}
+
+impl Overlay {
+    pub fn new(device: &wgpu::Device, target_format: wgpu::TextureFormat) -> Self {
+        Self {
+            context: egui::Context::default(),
+            renderer: egui_wgpu::Renderer::new(
+                device,
+                target_format,
+                // Filtering in the shader gives the same text on every driver.
+                egui_wgpu::RendererOptions::PREDICTABLE,
+            ),
+            jobs: Vec::new(),
+            screen: egui_wgpu::ScreenDescriptor {
+                size_in_pixels: [1, 1],
+                pixels_per_point: 1.0,
+            },
+        }
+    }
+
+    /// Lays the text out and brings it to the GPU. Call once before [`Overlay::draw`].
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        placement: Placement,
+        content: &OverlayContent<'_>,
+    ) {
+        let pixels_per_point = content.view.pixels_per_point.clamp(0.25, 16.0);
+        let points = |[x, y]: [u32; 2]| pos2(x as f32, y as f32) / pixels_per_point;
+        let area = Rect::from_min_size(
+            points(placement.origin_px),
+            points(placement.size_px).to_vec2(),
+        );
+        let screen = Rect::from_min_max(Pos2::ZERO, points(placement.target_px));
+        let mut output = self
+            .context
+            .run_pass(raw_input(screen, pixels_per_point), |context| {
+                let painter = context.layer_painter(egui::LayerId::background());
+                draw(&painter.with_clip_rect(area), area, content);
+            });
+        self.update_textures(gpu, &mut output.textures_delta);
+        self.jobs = self.context.tessellate(output.shapes, pixels_per_point);
+        self.screen = egui_wgpu::ScreenDescriptor {
+            size_in_pixels: placement.target_px,
+            pixels_per_point,
+        };
+        // Only paint callbacks return command buffers, and there are none here.
+        self.renderer
+            .update_buffers(&gpu.device, &gpu.queue, encoder, &self.jobs, &self.screen);
+    }
+
+    fn update_textures(&mut self, gpu: &Gpu, delta: &mut egui::TexturesDelta) {
+        for (id, images) in delta.set.drain() {
+            for image in images {
+                self.renderer
+                    .update_texture(&gpu.device, &gpu.queue, id, &image);
+            }
+        }
+        for id in delta.free.drain() {
+            self.renderer.free_texture(&id);
+        }
+    }
+
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'static>) {
+        self.renderer.render(pass, &self.jobs, &self.screen);
+    }
+}
+
+fn raw_input(screen: Rect, pixels_per_point: f32) -> egui::RawInput {
+    let mut input = egui::RawInput {
+        screen_rect: Some(screen),
+        // A fixed time: nothing here is animated, and nothing may depend on the clock.
+        time: Some(0.0),
+        ..Default::default()
+    };
+    if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
+        viewport.native_pixels_per_point = Some(pixels_per_point);
+    }
+    input
+}
+
+fn draw(painter: &Painter, area: Rect, content: &OverlayContent<'_>) {
+    let theme = Theme::of(content.view.background);
+    if let (true, Some(range)) = (content.view.legend, content.range) {
+        draw_legend(painter, area, content.view.color_by, range, &theme);
+    }
+    if let Some(caption) = &content.view.caption {
+        draw_caption(
+            painter,
+            area,
+            &caption_lines(caption, content.time_s),
+            &theme,
+        );
+    }
+}
+
+/// The lines of a caption, from top to bottom.
+pub(crate) fn caption_lines(caption: &Caption, time_s: f64) -> Vec<String> {
+    let mut first = Vec::new();
+    if caption.show_time {
+        first.push(format!("t = {}", with_unit(time_s, "s")));
+    }
+    if let Some(factor) = caption.slow_motion.filter(|factor| *factor > 1.0) {
+        first.push(format!("{}× slow motion", grouped(factor)));
+    }
+    let mut lines = Vec::new();
+    if !first.is_empty() {
+        lines.push(first.join("   "));
+    }
+    lines.extend(caption.text.lines().map(str::to_owned));
+    lines
+}
+
+/// A count with thin spaces between thousands.
+fn grouped(value: f64) -> String {
+    if value < 10_000.0 {
+        return short(value);
+    }
+    let digits = format!("{value:.0}");
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push('\u{2009}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn draw_caption(painter: &Painter, area: Rect, lines: &[String], theme: &Theme) {
+    let mut bottom = area.bottom() - MARGIN;
+    for (index, line) in lines.iter().enumerate().rev() {
+        let color = if index == 0 {
+            theme.text_srgb
+        } else {
+            theme.faint_text_srgb
+        };
+        let position = pos2(area.left() + MARGIN, bottom);
+        let font = FontId::proportional(TITLE_SIZE);
+        let drawn = painter.text(position, Align2::LEFT_BOTTOM, line, font, rgb(color));
+        bottom = drawn.top() - 2.0;
+    }
+}
+
+fn draw_legend(painter: &Painter, area: Rect, color_by: ColorBy, range: Range, theme: &Theme) {
+    let size = f64::from(range.low.abs().max(range.high.abs()));
+    let (factor, prefix) = si_prefix(size);
+    let title = format!("{}  [{prefix}{}]", color_by.label(), color_by.unit());
+    let corner = area.right_top() + vec2(-MARGIN, MARGIN);
+    let font = FontId::proportional(TITLE_SIZE);
+    let drawn = painter.text(corner, Align2::RIGHT_TOP, title, font, rgb(theme.text_srgb));
+    let bar = Rect::from_min_size(
+        pos2(corner.x - BAR_WIDTH, drawn.bottom() + 10.0),
+        vec2(BAR_WIDTH, (area.height() * BAR_SHARE).max(40.0)),
+    );
+    draw_bar(painter, bar, map_of(color_by), theme);
+    for tick in range.ticks() {
+        let y = bar.bottom() - range.position(tick) * bar.height();
+        let text = short(f64::from(tick) / factor);
+        draw_tick(painter, pos2(bar.left(), y), text, theme);
+    }
+}
+
+/// The colour map that shows a field.
+pub(crate) fn map_of(color_by: ColorBy) -> ColorMap {
+    if color_by.is_signed() {
+        ColorMap::Diverging
+    } else {
+        ColorMap::Sequential
+    }
+}
+
+fn draw_bar(painter: &Painter, bar: Rect, map: ColorMap, theme: &Theme) {
+    let mut mesh = egui::Mesh::default();
+    for step in 0..=BAR_STEPS {
+        let position = step as f32 / BAR_STEPS as f32;
+        let [r, g, b] = map.srgb(position).map(crate::render::color_map::to_byte);
+        let color = Color32::from_rgb(r, g, b);
+        let y = bar.bottom() - position * bar.height();
+        mesh.colored_vertex(pos2(bar.left(), y), color);
+        mesh.colored_vertex(pos2(bar.right(), y), color);
+    }
+    for step in 0..BAR_STEPS as u32 {
+        mesh.add_triangle(2 * step, 2 * step + 1, 2 * step + 2);
+        mesh.add_triangle(2 * step + 1, 2 * step + 3, 2 * step + 2);
+    }
+    painter.add(mesh);
+    let stroke = Stroke::new(1.0, rgb(theme.faint_text_srgb).gamma_multiply(0.6));
+    painter.rect_stroke(bar, 0.0, stroke, egui::StrokeKind::Outside);
+}
+
+fn draw_tick(painter: &Painter, at: Pos2, text: String, theme: &Theme) {
+    let stroke = Stroke::new(1.0, rgb(theme.faint_text_srgb));
+    painter.line_segment([at - vec2(5.0, 0.0), at - vec2(1.0, 0.0)], stroke);
+    painter.text(
+        at - vec2(9.0, 0.0),
+        Align2::RIGHT_CENTER,
+        text,
+        FontId::proportional(TEXT_SIZE),
+        rgb(theme.text_srgb),
+    );
+}
+
+fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn caption_tells_time_and_slow_motion_then_the_text() {
+        let caption = Caption {
+            show_time: true,
+            slow_motion: Some(2000.0),
+            text: "Rankine\nglass".into(),
+        };
+        let lines = caption_lines(&caption, 0.0015);
+        assert_eq!(
+            lines,
+            ["t = 1.5 ms   2000× slow motion", "Rankine", "glass"]
+        );
+    }
+
+    #[test]
+    fn real_time_is_not_called_slow() {
+        let caption = Caption {
+            slow_motion: Some(1.0),
+            ..Default::default()
+        };
+        assert!(caption_lines(&caption, 0.0).is_empty());
+        assert_eq!(grouped(1_234_567.0), "1\u{2009}234\u{2009}567");
+    }
+}

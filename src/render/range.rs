@@ -1,0 +1,274 @@
+//! The range of values that a colour map covers, and numbers with units.
+
+use crate::frame::Frame;
+use crate::render::view::ColorBy;
+
+/// Values at the two ends of the colour map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Value of the first colour.
+    pub low: f32,
+    /// Value of the last colour, above `low`.
+    pub high: f32,
+}
+
+/// Share of the vertices whose values the automatic range may leave out: single peaks, at a
+/// contact node say, would turn everything else into one colour.
+const CLIPPED_SHARE: f32 = 0.002;
+
+impl Range {
+    /// The range from zero (or, for signed fields, from minus as much) to a round number at or
+    /// above nearly all of the frame's values.
+    #[must_use]
+    pub fn of_frame(frame: &Frame, color_by: ColorBy) -> Self {
+        Self::up_to(peak(frame, color_by), color_by)
+    }
+
+    /// The range that serves all the frames, for an animation without flicker.
+    #[must_use]
+    pub fn of_frames<'a>(frames: impl IntoIterator<Item = &'a Frame>, color_by: ColorBy) -> Self {
+        let peak = frames
+            .into_iter()
+            .map(|frame| peak(frame, color_by))
+            .fold(0.0, f32::max);
+        Self::up_to(peak, color_by)
+    }
+
+    /// The smallest range that covers both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+
+    /// Where `value` lies: 0 at the low end, 1 at the high end, clamped; 0 if not a number.
+    #[must_use]
+    pub fn position(self, value: f32) -> f32 {
+        let position = (value - self.low) / (self.high - self.low);
+        // `max` first turns NaN into 0.
+        position.max(0.0).min(1.0)
+    }
+
+    fn up_to(peak: f32, color_by: ColorBy) -> Self {
+        let high = round_up(peak);
+        Self {
+            low: if color_by.is_signed() { -high } else { 0.0 },
+            high,
+        }
+    }
+
+    /// Four to seven round values inside the range, with both ends if these are round, too.
+    #[must_use]
+    pub fn ticks(self) -> Vec<f32> {
+        let (low, high) = (f64::from(self.low), f64::from(self.high));
+        let span = high - low;
+        if !(span.is_finite() && span > 0.0) {
+            return vec![self.low];
+        }
+        // Parts of the whole first, then any round step.
+        let parts = [4.0, 5.0, 6.0, 3.0].map(|parts| span / parts);
+        let fits = |step: &f64| is_round(*step) && is_whole(low / step);
+        let step = parts.into_iter().find(fits);
+        let step = step.unwrap_or_else(|| round_step(span / 5.0));
+        let first = (low / step - 1e-4).ceil() as i64;
+        let last = (high / step + 1e-4).floor() as i64;
+        (first..=last).map(|i| (i as f64 * step) as f32).collect()
+    }
+}
+
+/// Whether the value is 1, 1.5, 2, 2.5, 3, 4 or 5 times a power of ten, to the precision of `f32`.
+fn is_round(value: f64) -> bool {
+    let lead = value / 10f64.powf((value * (1.0 + 1e-5)).log10().floor());
+    let leads = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
+    leads
+        .into_iter()
+        .any(|round| (lead / round - 1.0f64).abs() < 1e-5)
+}
+
+fn is_whole(value: f64) -> bool {
+    (value - value.round()).abs() < 1e-4
+}
+
+/// The value that all but [`CLIPPED_SHARE`] of the finite values stay below in size.
+fn peak(frame: &Frame, color_by: ColorBy) -> f32 {
+    let mut sizes: Vec<f32> = frame
+        .bodies
+        .iter()
+        .filter_map(|body| color_by.values_of(body))
+        .flatten()
+        .map(|value| value.abs())
+        .filter(|size| size.is_finite())
+        .collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let clipped = (sizes.len() as f32 * CLIPPED_SHARE) as usize;
+    let index = sizes.len() - 1 - clipped;
+    *sizes.select_nth_unstable_by(index, f32::total_cmp).1
+}
+
+/// The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten, at or above `value`; 1 for zero.
+fn round_up(value: f32) -> f32 {
+    if !(value.is_finite() && value > f32::MIN_POSITIVE) {
+        return 1.0;
+    }
+    let value = f64::from(value);
+    let decade = 10f64.powf(value.log10().floor());
+    let lead = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
+        .into_iter()
+        .find(|lead| lead * decade >= value * (1.0 - 1e-6))
+        .unwrap_or(10.0);
+    (lead * decade) as f32
+}
+
+/// The next of 1, 2, 2.5, 5 times a power of ten, at or above `value`.
+fn round_step(value: f64) -> f64 {
+    let decade = 10f64.powf(value.log10().floor());
+    let lead = [1.0, 2.0, 2.5, 5.0, 10.0]
+        .into_iter()
+        .find(|lead| lead * decade >= value * (1.0 - 1e-6))
+        .unwrap_or(10.0);
+    lead * decade
+}
+
+/// An SI prefix that brings `size` near 1..1000: its factor and its sign.
+#[must_use]
+pub fn si_prefix(size: f64) -> (f64, &'static str) {
+    const PREFIXES: [(f64, &str); 8] = [
+        (1e12, "T"),
+        (1e9, "G"),
+        (1e6, "M"),
+        (1e3, "k"),
+        (1.0, ""),
+        (1e-3, "m"),
+        (1e-6, "µ"),
+        (1e-9, "n"),
+    ];
+    let size = size.abs();
+    if size == 0.0 || !size.is_finite() {
+        return (1.0, "");
+    }
+    PREFIXES
+        .into_iter()
+        .find(|(factor, _)| size >= factor * (1.0 - 1e-9))
+        .unwrap_or((1e-9, "n"))
+}
+
+/// A value with its unit: three or four significant digits and an SI prefix, `"1.25 ms"`.
+#[must_use]
+pub fn with_unit(value: f64, unit: &str) -> String {
+    let (factor, prefix) = si_prefix(value);
+    format!("{} {prefix}{unit}", short(value / factor))
+}
+
+/// A number with about four significant digits and no trailing zeros; a true minus sign.
+#[must_use]
+pub fn short(value: f64) -> String {
+    let size = value.abs();
+    let decimals = match size {
+        s if s >= 100.0 => 1,
+        s if s >= 10.0 => 2,
+        _ => 3,
+    };
+    let text = format!("{size:.decimals$}");
+    let text = if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
+    };
+    let sign = if value < 0.0 && text != "0" {
+        "−"
+    } else {
+        ""
+    };
+    format!("{sign}{text}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{BodyFrame, VertexFields};
+
+    fn frame_with_speeds(speed_m_s: Vec<f32>) -> Frame {
+        let fields = VertexFields {
+            max_principal_pa: speed_m_s.clone(),
+            speed_m_s,
+            ..Default::default()
+        };
+        Frame {
+            bodies: vec![BodyFrame {
+                fields,
+                ..Default::default()
+            }],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn automatic_range_is_round_and_covers_the_values() {
+        let frame = frame_with_speeds(vec![0.0, 3.7, 2.0]);
+        let range = Range::of_frame(&frame, ColorBy::Speed);
+        assert_eq!((range.low, range.high), (0.0, 4.0));
+        let signed = Range::of_frame(&frame, ColorBy::MaxPrincipal);
+        assert_eq!((signed.low, signed.high), (-4.0, 4.0));
+    }
+
+    #[test]
+    fn one_peak_among_thousands_does_not_set_the_range() {
+        let mut speeds = vec![1.0; 2000];
+        speeds[7] = 1e6;
+        speeds[8] = f32::NAN;
+        let range = Range::of_frame(&frame_with_speeds(speeds), ColorBy::Speed);
+        assert_eq!(range.high, 1.0);
+    }
+
+    #[test]
+    fn nothing_moving_still_gives_a_range() {
+        let range = Range::of_frame(&Frame::default(), ColorBy::Speed);
+        assert!(range.high > range.low);
+        assert_eq!(range.position(f32::NAN), 0.0);
+        assert_eq!(range.position(9.0), 1.0);
+    }
+
+    #[test]
+    fn ticks_are_few_and_reach_both_ends() {
+        for high in [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 3e8, 2e-5, 6e-3] {
+            for low in [0.0, -high] {
+                let ticks = Range { low, high }.ticks();
+                assert!((4..=7).contains(&ticks.len()), "{low} {high}: {ticks:?}");
+                let (first, last) = (ticks[0], ticks[ticks.len() - 1]);
+                assert!((first - low).abs() < 1e-4 * high, "{ticks:?}");
+                assert!((last - high).abs() < 1e-4 * high, "{ticks:?}");
+                assert!(ticks.iter().any(|t| t.abs() < 1e-4 * high), "{ticks:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn odd_ranges_have_round_ticks_inside() {
+        let range = Range {
+            low: 0.37,
+            high: 7.7,
+        };
+        assert_eq!(range.ticks(), [2.0, 4.0, 6.0]);
+        assert_eq!(
+            Range {
+                low: 1.0,
+                high: 1.0
+            }
+            .ticks(),
+            [1.0]
+        );
+    }
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(with_unit(0.00125, "s"), "1.25 ms");
+        assert_eq!(with_unit(2.5e8, "Pa"), "250 MPa");
+        assert_eq!(with_unit(0.0, "s"), "0 s");
+        assert_eq!(with_unit(-3e-6, "m"), "−3 µm");
+        assert_eq!(with_unit(1000.0, "m"), "1 km");
+    }
+}

@@ -1,0 +1,410 @@
+//! The order of the passes: long-lived pipelines, and the data of one picture.
+
+use crate::frame::Frame;
+use crate::render::camera::Camera;
+use crate::render::compose_pass::{ComposePass, SceneTextures};
+use crate::render::depth_pass::{DepthMap, DepthPass};
+use crate::render::floor_blur_pass::FloorBlurPass;
+use crate::render::floor_light_pass::FloorLightPass;
+use crate::render::floor_pass::FloorPass;
+use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
+use crate::render::framing::{Floor, Framing};
+use crate::render::geometry::{Coloring, Geometry, GeometryBuilder, SurfaceVertex};
+use crate::render::gpu::{Gpu, GpuError};
+use crate::render::light::{FloorFit, KEY_LIGHT_SPREAD, ShadowFit, TOWARDS_KEY_LIGHT};
+use crate::render::overlay::{Overlay, OverlayContent, Placement, map_of};
+use crate::render::range::Range;
+use crate::render::surface_pass::{SurfacePass, map_row};
+use crate::render::theme::Theme;
+use crate::render::view::{Ground, View};
+use glam::{Vec2, Vec3};
+
+/// Side of the key light's shadow map, texels.
+const SHADOW_SIDE_PX: u32 = 1024;
+/// Side of the map of heights above the floor, texels.
+const HEIGHT_SIDE_PX: u32 = 384;
+/// Side of the floor's light map, texels.
+const FLOOR_LIGHT_SIDE_PX: u32 = 256;
+/// Bodies dim the ambient light on the floor up to this height, in body radii.
+const FLOOR_REACH_RADII: f32 = 0.7;
+/// Radius of the floor, in radii of the scene.
+const FLOOR_RADII: f32 = 14.0;
+
+/// Where a picture goes: a rectangle of a texture.
+#[derive(Clone, Copy, Debug)]
+pub struct Target<'a> {
+    /// The texture, in the format the renderer was made for.
+    pub view: &'a wgpu::TextureView,
+    /// Upper left corner of the rectangle, pixels.
+    pub origin_px: [u32; 2],
+    /// Size of the rectangle, pixels.
+    pub size_px: [u32; 2],
+}
+
+impl<'a> Target<'a> {
+    /// All of a texture.
+    #[must_use]
+    pub fn whole(view: &'a wgpu::TextureView) -> Self {
+        Self {
+            view,
+            origin_px: [0, 0],
+            size_px: texture_size_px(view),
+        }
+    }
+
+    /// A rectangle of a texture, cut where it sticks out; what is outside it stays as it is.
+    #[must_use]
+    pub fn part(view: &'a wgpu::TextureView, origin_px: [u32; 2], size_px: [u32; 2]) -> Self {
+        let all = texture_size_px(view);
+        let origin_px = std::array::from_fn(|i| origin_px[i].min(all[i]));
+        Self {
+            view,
+            origin_px,
+            size_px: std::array::from_fn(|i| size_px[i].min(all[i] - origin_px[i])),
+        }
+    }
+
+    /// Width over height.
+    #[must_use]
+    pub fn aspect(&self) -> f32 {
+        self.size_px[0] as f32 / self.size_px[1].max(1) as f32
+    }
+
+    fn is_whole(&self) -> bool {
+        self.origin_px == [0, 0] && self.size_px == texture_size_px(self.view)
+    }
+}
+
+fn texture_size_px(view: &wgpu::TextureView) -> [u32; 2] {
+    let texture = view.texture();
+    [texture.width(), texture.height()]
+}
+
+/// Draws frames. It knows a texture, not a window: the same code serves both.
+pub struct Renderer {
+    gpu: Gpu,
+    frame: FrameBinding,
+    depth_pass: DepthPass,
+    shadow_map: DepthMap,
+    height_map: DepthMap,
+    floor_light_pass: FloorLightPass,
+    floor_blur_pass: FloorBlurPass,
+    floor_pass: FloorPass,
+    surface_pass: SurfacePass,
+    compose_pass: ComposePass,
+    overlay: Overlay,
+    geometry: GeometryBuilder,
+    vertices: wgpu::Buffer,
+    textures: Option<SceneTextures>,
+}
+
+impl Renderer {
+    /// Builds the pipelines for targets of the given format. Prefer a format without `Srgb` in
+    /// its name (`Rgba8Unorm`, `Bgra8Unorm`): text is blended as its designers meant it there.
+    #[must_use]
+    pub fn new(gpu: &Gpu, target_format: wgpu::TextureFormat) -> Self {
+        let device = &gpu.device;
+        let frame = FrameBinding::new(device);
+        let depth_pass = DepthPass::new(device);
+        let shadow_map = depth_pass.new_map(device, "shadow map", SHADOW_SIDE_PX);
+        let height_map = depth_pass.new_map(device, "height map", HEIGHT_SIDE_PX);
+        let maps = [&shadow_map, &height_map];
+        let floor_light_pass = FloorLightPass::new(device, &frame, maps, FLOOR_LIGHT_SIDE_PX);
+        let floor_blur_pass = FloorBlurPass::new(device, &floor_light_pass.map);
+        Self {
+            floor_pass: FloorPass::new(device, &frame, &floor_blur_pass.map),
+            surface_pass: SurfacePass::new((device, &gpu.queue), &frame, &shadow_map),
+            compose_pass: ComposePass::new(device, target_format),
+            overlay: Overlay::new(device, target_format),
+            geometry: GeometryBuilder::default(),
+            vertices: vertex_buffer(device, 1 << 16),
+            textures: None,
+            gpu: gpu.clone(),
+            frame,
+            depth_pass,
+            shadow_map,
+            height_map,
+            floor_light_pass,
+            floor_blur_pass,
+        }
+    }
+
+    /// Draws a frame, legend and caption included, and hands it to the device's queue.
+    ///
+    /// A target without area is left as it is.
+    ///
+    /// # Errors
+    /// [`GpuError::BadSize`] and [`GpuError::TooManyTriangles`] before drawing; else the first
+    /// fault that the device has reported so far.
+    pub fn render(
+        &mut self,
+        target: Target<'_>,
+        frame: &Frame,
+        camera: &Camera,
+        view: &View,
+    ) -> Result<(), GpuError> {
+        if target.size_px.contains(&0) {
+            return Ok(());
+        }
+        self.gpu.check_size(target.size_px)?;
+        let floor = floor_of(frame, view);
+        let range = view.range_for(frame);
+        let count = self.upload(frame, floor, view, range)?;
+        let fits = self.fits(floor);
+        self.write_uniforms(target, camera, view, &fits);
+        self.fit_textures(target.size_px);
+
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.draw_light(&mut encoder, &fits, count);
+        self.draw_scene(&mut encoder, &fits, count);
+        let content = OverlayContent {
+            view,
+            time_s: frame.time_s,
+            range,
+        };
+        self.draw_on_target(&mut encoder, target, &content);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.check()
+    }
+
+    /// Brings the frame's triangles to the GPU; returns the number of vertices.
+    fn upload(
+        &mut self,
+        frame: &Frame,
+        floor: Option<Floor>,
+        view: &View,
+        range: Option<Range>,
+    ) -> Result<u32, GpuError> {
+        let coloring = Coloring {
+            color_by: view.color_by,
+            range: range.unwrap_or(Range {
+                low: 0.0,
+                high: 1.0,
+            }),
+        };
+        let hidden = floor.and_then(|floor| floor.replaces);
+        let vertices = &self.geometry.build(frame, hidden, coloring).vertices;
+        let bytes: &[u8] = bytemuck::cast_slice(vertices);
+        let needed = bytes.len() as u64;
+        let limit = self.gpu.device.limits().max_buffer_size.min(1 << 31);
+        if needed > limit {
+            return Err(GpuError::TooManyTriangles {
+                triangles: vertices.len() / 3,
+                limit: limit as usize / size_of::<[SurfaceVertex; 3]>(),
+                adapter: self.gpu.info.name.clone(),
+            });
+        }
+        if needed > self.vertices.size() {
+            // Some room to grow, so that a breaking body does not reallocate every frame.
+            self.vertices = vertex_buffer(&self.gpu.device, (needed + needed / 2).min(limit));
+        }
+        self.gpu.queue.write_buffer(&self.vertices, 0, bytes);
+        Ok(vertices.len() as u32)
+    }
+
+    fn fits(&self, floor: Option<Floor>) -> Fits {
+        Fits::new(self.geometry.geometry(), floor, self.shadow_map.side_px)
+    }
+
+    fn write_uniforms(&self, target: Target<'_>, camera: &Camera, view: &View, fits: &Fits) {
+        let queue = &self.gpu.queue;
+        let theme = Theme::of(view.background);
+        let uniforms = uniforms(target, camera, view, fits, &theme);
+        self.frame.write(queue, &uniforms);
+        self.shadow_map
+            .set_matrix(queue, fits.shadow.shadow_from_world);
+        if let Some(floor) = &fits.floor {
+            self.height_map
+                .set_matrix(queue, floor.heights_from_world());
+        }
+        self.compose_pass.place(queue, target.origin_px);
+    }
+
+    fn fit_textures(&mut self, size_px: [u32; 2]) {
+        if self.textures.as_ref().is_none_or(|t| t.size_px != size_px) {
+            let textures = self.compose_pass.new_textures(&self.gpu.device, size_px);
+            self.textures = Some(textures);
+        }
+    }
+
+    fn draw_light(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, count: u32) {
+        self.depth_pass
+            .draw(encoder, &self.shadow_map, &self.vertices, count);
+        if fits.floor.is_some() {
+            self.depth_pass
+                .draw(encoder, &self.height_map, &self.vertices, count);
+            self.floor_light_pass.draw(encoder, &self.frame);
+            self.floor_blur_pass.draw(encoder);
+        }
+    }
+
+    fn draw_scene(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, count: u32) {
+        let Some(textures) = &self.textures else {
+            return;
+        };
+        let mut pass = begin_scene(encoder, textures);
+        pass.set_bind_group(0, &self.frame.group, &[]);
+        // From near to far: what is hidden is not shaded.
+        self.surface_pass.draw(&mut pass, &self.vertices, count);
+        if fits.floor.is_some() {
+            self.floor_pass.draw_floor(&mut pass);
+        }
+        self.floor_pass.draw_background(&mut pass);
+    }
+
+    fn draw_on_target(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: Target<'_>,
+        content: &OverlayContent<'_>,
+    ) {
+        let placement = Placement {
+            target_px: texture_size_px(target.view),
+            origin_px: target.origin_px,
+            size_px: target.size_px,
+        };
+        self.overlay.prepare(&self.gpu, encoder, placement, content);
+        let mut pass = begin_target(encoder, &target).forget_lifetime();
+        let [x, y] = target.origin_px.map(|px| px as f32);
+        let [width, height] = target.size_px.map(|px| px as f32);
+        pass.set_viewport(x, y, width, height, 0.0, 1.0);
+        if let Some(textures) = &self.textures {
+            self.compose_pass.draw(&mut pass, textures);
+        }
+        self.overlay.draw(&mut pass);
+    }
+}
+
+/// The lights' maps for one picture.
+struct Fits {
+    shadow: ShadowFit,
+    floor: Option<FloorFit>,
+    center_m: Vec3,
+    radius_m: f32,
+}
+
+impl Fits {
+    fn new(geometry: &Geometry, floor: Option<Floor>, shadow_px: u32) -> Self {
+        let nothing = (Vec3::splat(-0.5), Vec3::splat(0.5));
+        let bounds = geometry.bounds_m.unwrap_or(nothing);
+        let reach_m = (FLOOR_REACH_RADII * geometry.body_radius_m).max(1e-5);
+        Self {
+            shadow: ShadowFit::around(bounds, shadow_px),
+            floor: floor.map(|floor| FloorFit::around(bounds, floor.height_m, reach_m)),
+            center_m: 0.5 * (bounds.0 + bounds.1),
+            radius_m: 0.5 * (bounds.1 - bounds.0).length(),
+        }
+    }
+}
+
+fn uniforms(
+    target: Target<'_>,
+    camera: &Camera,
+    view: &View,
+    fits: &Fits,
+    theme: &Theme,
+) -> FrameUniforms {
+    let floor = fits.floor;
+    FrameUniforms {
+        clip_from_world: camera.clip_from_world(target.aspect()).to_cols_array_2d(),
+        shadow_from_world: fits.shadow.shadow_from_world.to_cols_array_2d(),
+        eye: camera.eye_m().to_array(),
+        wireframe: f32::from(u8::from(view.wireframe)),
+        towards_light: TOWARDS_KEY_LIGHT.normalize().to_array(),
+        shadow_texel: fits.shadow.side_m / SHADOW_SIDE_PX as f32,
+        key_light: theme.key_light.to_array(),
+        wire_width: view.pixels_per_point.max(1.0),
+        sky_light: theme.sky_light.to_array(),
+        floor_height: floor.map_or(-1e9, |floor| floor.height_m),
+        bounce_light: theme.bounce_light.to_array(),
+        floor_radius: (FLOOR_RADII * fits.radius_m).max(1.5 * camera.distance_m),
+        rim_light: theme.rim_light.to_array(),
+        map_row: map_row(map_of(view.color_by)),
+        background_low: theme.background_low.to_array(),
+        shadow_depth: fits.shadow.depth_m,
+        background_high: theme.background_high.to_array(),
+        shadow_strength: theme.shadow_strength,
+        floor_color: theme.floor_color.to_array(),
+        light_spread: KEY_LIGHT_SPREAD,
+        wire_color: theme.wire_color.to_array(),
+        wire_opacity: theme.wire_opacity,
+        floor_center: fits.center_m.truncate().to_array(),
+        floor_map_low: floor.map_or(Vec2::ZERO, |floor| floor.low_m).to_array(),
+        floor_map_side: floor.map_or(1.0, |floor| floor.side_m),
+        // Without a floor nothing is near it.
+        floor_reach: floor.map_or(1e-9, |floor| floor.reach_m),
+        picture_px: target.size_px.map(|px| px as f32),
+    }
+}
+
+fn floor_of(frame: &Frame, view: &View) -> Option<Floor> {
+    match view.ground {
+        Ground::Auto => Framing::of(frame).floor(),
+        Ground::At(floor) => Some(floor),
+        Ground::Hidden => None,
+    }
+}
+
+fn vertex_buffer(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("surface vertices"),
+        size: size.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+fn begin_scene<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    textures: &SceneTextures,
+) -> wgpu::RenderPass<'e> {
+    // Samples are resolved at the end of the pass; nobody needs them, or the depth, after it.
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("scene"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &textures.color,
+            depth_slice: None,
+            resolve_target: Some(&textures.resolved),
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                store: wgpu::StoreOp::Discard,
+            },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &textures.depth,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0.0),
+                store: wgpu::StoreOp::Discard,
+            }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    })
+}
+
+fn begin_target<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    target: &Target<'_>,
+) -> wgpu::RenderPass<'e> {
+    let load = if target.is_whole() {
+        wgpu::LoadOp::Clear(wgpu::Color::BLACK)
+    } else {
+        wgpu::LoadOp::Load
+    };
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("target"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target.view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load,
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        ..Default::default()
+    })
+}

@@ -1,0 +1,126 @@
+//! The bodies' surfaces, lit and coloured.
+
+use crate::render::bindings::{self, PipelineParts, SAMPLES, SCENE_FORMAT};
+use crate::render::color_map::{ColorMap, TABLE_LENGTH};
+use crate::render::depth_pass::DepthMap;
+use crate::render::frame_uniforms::{FrameBinding, with_prelude};
+use crate::render::geometry::SurfaceVertex;
+use wgpu::{BindingResource, BindingType};
+
+pub(crate) const WGSL: &str = include_str!("../../shaders/surface_pass.wgsl");
+
+/// How a [`SurfaceVertex`] lies in a vertex buffer.
+pub(crate) const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: size_of::<SurfaceVertex>() as u64,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &wgpu::vertex_attr_array![
+        0 => Float32x3,
+        1 => Snorm16x4,
+        2 => Unorm8x4,
+        3 => Float32,
+    ],
+};
+
+#[derive(Debug)]
+pub(crate) struct SurfacePass {
+    pipeline: wgpu::RenderPipeline,
+    group: wgpu::BindGroup,
+}
+
+impl SurfacePass {
+    pub fn new(
+        gpu: (&wgpu::Device, &wgpu::Queue),
+        frame: &FrameBinding,
+        shadow: &DepthMap,
+    ) -> Self {
+        let (device, queue) = gpu;
+        let layout = bindings::layout(
+            device,
+            "surface pass",
+            &[
+                bindings::depth_texture(),
+                BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
+                bindings::texture(),
+                BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+            ],
+        );
+        let group = bindings::group(
+            device,
+            &layout,
+            &[
+                BindingResource::TextureView(&shadow.view),
+                BindingResource::Sampler(&comparison_sampler(device)),
+                BindingResource::TextureView(&color_map_texture(device, queue)),
+                BindingResource::Sampler(&bindings::linear_sampler(device)),
+            ],
+        );
+        let shader = bindings::shader(device, "surface pass", &with_prelude(WGSL));
+        let pipeline = PipelineParts {
+            label: "surface pass",
+            shader: &shader,
+            layouts: &[&frame.layout, &layout],
+            vertex_entry: "vertex",
+            vertex_buffer: Some(VERTEX_LAYOUT),
+            fragment: Some(("fragment", SCENE_FORMAT)),
+            depth: Some(bindings::scene_depth()),
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            // Surfaces of tetrahedral meshes are closed: their insides are never seen.
+            cull: Some(wgpu::Face::Back),
+            samples: SAMPLES,
+        };
+        Self {
+            pipeline: pipeline.build(device),
+            group,
+        }
+    }
+
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, vertices: &wgpu::Buffer, count: u32) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(1, &self.group, &[]);
+        pass.set_vertex_buffer(0, vertices.slice(..));
+        pass.draw(0..count, 0..1);
+    }
+}
+
+/// Texture coordinate of a map's row in the texture of all maps.
+pub(crate) fn map_row(map: ColorMap) -> f32 {
+    match map {
+        ColorMap::Sequential => 0.25,
+        ColorMap::Diverging => 0.75,
+    }
+}
+
+fn color_map_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
+    use wgpu::util::DeviceExt as _;
+    let rows = [ColorMap::Sequential.table(), ColorMap::Diverging.table()];
+    let texture = device.create_texture_with_data(
+        queue,
+        &wgpu::TextureDescriptor {
+            label: Some("colour maps"),
+            size: wgpu::Extent3d {
+                width: TABLE_LENGTH as u32,
+                height: rows.len() as u32,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        bytemuck::cast_slice(&rows),
+    );
+    bindings::whole(&texture)
+}
+
+fn comparison_sampler(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("shadow"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        compare: Some(wgpu::CompareFunction::LessEqual),
+        ..Default::default()
+    })
+}

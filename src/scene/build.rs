@@ -1,0 +1,361 @@
+//! From the description of a scene to what the simulation starts from.
+
+use super::boxes;
+use super::description::{Body, BodyMaterial, GROUND, Ground, SceneDescription};
+use super::overlap::overlap;
+use super::place::{Frame, Placed, place};
+use super::problem::suggestion;
+use super::selection::{PlacedMesh, select};
+use super::shape_mesh::{ELEMENT_LIMIT, ShapeMesh, mesh_of};
+use crate::mesh::TetMesh;
+use crate::sim::{
+    BodyMotion, BodySetup, BoundaryCondition, ContactParameters, Material, PairFriction, WorldSetup,
+};
+use glam::DVec3;
+use std::path::Path;
+
+/// What is wrong with a scene whose text was sound: (path, message).
+pub(super) type BuildProblem = (String, String);
+
+/// What a scene was built into.
+#[derive(Debug)]
+pub(super) struct Built {
+    pub setup: WorldSetup,
+    /// What reading the mesh files had to say: (body, note).
+    pub notes: Vec<(String, String)>,
+}
+
+/// Builds a scene; mesh files are looked for from `folder`.
+///
+/// # Errors
+/// Every problem found, at least one.
+pub(super) fn build(scene: &SceneDescription, folder: &Path) -> Result<Built, Vec<BuildProblem>> {
+    let mut builder = Builder {
+        scene,
+        problems: Vec::new(),
+        notes: Vec::new(),
+        placed: Vec::new(),
+        bodies: Vec::new(),
+    };
+    let meshes = builder.meshes(folder);
+    if builder.problems.is_empty() {
+        builder.check_size(&meshes);
+    }
+    builder.ground();
+    for (index, mesh) in meshes.into_iter().enumerate() {
+        if let Some(mesh) = mesh {
+            builder.body(index, &mesh);
+        }
+    }
+    if builder.problems.is_empty() {
+        builder.refuse_overlaps();
+    }
+    builder.finish()
+}
+
+/// One body of the world and the entry of the text it came from (`None`: the ground).
+struct BuiltBody {
+    setup: BodySetup,
+    entry: Option<usize>,
+}
+
+struct Builder<'a> {
+    scene: &'a SceneDescription,
+    problems: Vec<BuildProblem>,
+    notes: Vec<(String, String)>,
+    placed: Vec<Placed>,
+    bodies: Vec<BuiltBody>,
+}
+
+impl Builder<'_> {
+    fn meshes(&mut self, folder: &Path) -> Vec<Option<ShapeMesh>> {
+        let mut meshes = Vec::with_capacity(self.scene.bodies.len());
+        for (index, body) in self.scene.bodies.iter().enumerate() {
+            match mesh_of(&body.shape, folder) {
+                Ok(mesh) => {
+                    let notes = mesh
+                        .notes
+                        .iter()
+                        .map(|note| (body.name.clone(), note.clone()));
+                    self.notes.extend(notes);
+                    meshes.push(Some(mesh));
+                }
+                Err(problem) => {
+                    self.problem(index, &problem.key, problem.message);
+                    meshes.push(None);
+                }
+            }
+        }
+        meshes
+    }
+
+    /// Copies multiply elements: the limit of one shape has to hold for all together.
+    fn check_size(&mut self, meshes: &[Option<ShapeMesh>]) {
+        let counts = meshes.iter().zip(&self.scene.bodies).map(|(mesh, body)| {
+            let elements = mesh.as_ref().map_or(0, |mesh| mesh.mesh.tets.len());
+            elements * body.copies.count as usize
+        });
+        let elements: usize = counts.sum();
+        if elements > ELEMENT_LIMIT {
+            self.problems.push((
+                "bodies".to_owned(),
+                format!(
+                    "the scene has {elements} elements, and at most {ELEMENT_LIMIT} are allowed; \
+                     take coarser shapes or fewer copies"
+                ),
+            ));
+        }
+    }
+
+    fn problem(&mut self, entry: usize, key: &str, message: String) {
+        self.problems
+            .push((format!("bodies[{entry}].{key}"), message));
+    }
+
+    fn ground(&mut self) {
+        let Some(ground) = &self.scene.ground else {
+            return;
+        };
+        let mesh = ground_mesh(ground);
+        let materials = self.materials([ground.material.as_str()], ground.color_srgb);
+        self.placed.push(Placed::ground(mesh.clone()));
+        self.bodies.push(BuiltBody {
+            entry: None,
+            setup: BodySetup {
+                name: GROUND.to_owned(),
+                element_material: vec![0; mesh.tets.len()],
+                mesh,
+                materials,
+                motion: BodyMotion::Fixed,
+                velocity_m_s: DVec3::ZERO,
+                spin_rad_s: DVec3::ZERO,
+                boundary: Vec::new(),
+                mass_scaling_max_share: 0.0,
+            },
+        });
+    }
+
+    fn body(&mut self, entry: usize, shape: &ShapeMesh) {
+        let body = &self.scene.bodies[entry];
+        let frames = match place(body, &shape.mesh, &self.placed) {
+            Ok(frames) => frames,
+            Err((key, message)) => return self.problem(entry, key, message),
+        };
+        let element_material = match element_materials(body, &shape.mesh) {
+            Ok(element_material) => element_material,
+            Err((key, message)) => return self.problem(entry, &key, message),
+        };
+        let materials = self.materials(body.material.names(), body.color_srgb);
+        let mut placed = Placed::new(&body.name, frames[0]);
+        for (name, frame) in body.names_of_copies().into_iter().zip(&frames) {
+            let mesh = frame.applied_to(&shape.mesh);
+            if !mesh.nodes_m.iter().all(|x| x.is_finite()) {
+                let message = "the body lies beyond all numbers; check sizes and positions";
+                return self.problem(entry, "position", message.to_owned());
+            }
+            let boundary = self.boundary(entry, &shape.mesh, &mesh);
+            placed.meshes.push(mesh.clone());
+            self.bodies.push(BuiltBody {
+                entry: Some(entry),
+                setup: BodySetup {
+                    name,
+                    mesh,
+                    materials: materials.clone(),
+                    element_material: element_material.clone(),
+                    motion: body.motion.clone(),
+                    velocity_m_s: body.velocity_m_s,
+                    spin_rad_s: body.spin_rad_s,
+                    boundary,
+                    mass_scaling_max_share: body.mass_scaling_max_share,
+                },
+            });
+        }
+        self.placed.push(placed);
+    }
+
+    fn materials<'n>(
+        &self,
+        names: impl IntoIterator<Item = &'n str>,
+        color: Option<[f32; 3]>,
+    ) -> Vec<Material> {
+        let found = names.into_iter().filter_map(|name| {
+            let material = self
+                .scene
+                .materials
+                .iter()
+                .find(|material| material.name == name)?;
+            let mut material = material.clone();
+            material.color_srgb = color.unwrap_or(material.color_srgb);
+            Some(material)
+        });
+        found.collect()
+    }
+
+    fn boundary(&mut self, entry: usize, own: &TetMesh, world: &TetMesh) -> Vec<BoundaryCondition> {
+        let boundary = &self.scene.bodies[entry].boundary;
+        let mut conditions = Vec::with_capacity(boundary.len());
+        for (index, condition) in boundary.iter().enumerate() {
+            match select(PlacedMesh { own, world }, &condition.at) {
+                Ok(nodes) => conditions.push(BoundaryCondition {
+                    nodes,
+                    action: condition.action.clone(),
+                }),
+                Err(message) => {
+                    self.problem(entry, &format!("boundary[{index}].at"), message);
+                }
+            }
+        }
+        conditions
+    }
+
+    /// Bodies that neither deforms nor moves freely may overlap: a wall may stand in the ground.
+    fn refuse_overlaps(&mut self) {
+        let boxes: Vec<_> = self
+            .bodies
+            .iter()
+            .map(|b| boxes::of_mesh(&b.setup.mesh))
+            .collect();
+        for second in 0..self.bodies.len() {
+            for first in 0..second {
+                let (a, b) = (&self.bodies[first], &self.bodies[second]);
+                let moves =
+                    |body: &BuiltBody| matches!(body.setup.motion, BodyMotion::Deformable(_));
+                let near = boxes[first].zip(boxes[second]).is_some_and(|(a, b)| {
+                    use parry3d_f64::bounding_volume::BoundingVolume;
+                    a.intersects(&b)
+                });
+                if !near || !(moves(a) || moves(b)) {
+                    continue;
+                }
+                if let Some(found) = overlap(&a.setup.mesh, &b.setup.mesh) {
+                    let entry = b.entry.or(a.entry).unwrap_or(0);
+                    let message = format!(
+                        "`{}` and `{}` overlap at the start, by {:.3e} m or more near \
+                         [{:.4}, {:.4}, {:.4}]; move one of them, for instance with \
+                         `on = \"{}\"`, and a `gap` to hang above",
+                        a.setup.name,
+                        b.setup.name,
+                        found.depth_m,
+                        found.near_m.x,
+                        found.near_m.y,
+                        found.near_m.z,
+                        a.entry
+                            .map_or(GROUND, |entry| self.scene.bodies[entry].name.as_str()),
+                    );
+                    self.problems
+                        .push((format!("bodies[{entry}].position"), message));
+                }
+            }
+        }
+    }
+
+    fn finish(self) -> Result<Built, Vec<BuildProblem>> {
+        if !self.problems.is_empty() {
+            return Err(self.problems);
+        }
+        let contact = &self.scene.contact;
+        let parameters = ContactParameters {
+            method: contact.method,
+            friction_coefficient: contact.friction_coefficient,
+            pair_friction: self.pair_friction(),
+            self_collision: contact.self_collision,
+            rest_speed_m_s: contact.rest_speed_m_s,
+        };
+        Ok(Built {
+            setup: WorldSetup {
+                gravity_m_s2: self.scene.gravity_m_s2,
+                bodies: self.bodies.into_iter().map(|body| body.setup).collect(),
+                contact: parameters,
+                time: self.scene.time.clone(),
+            },
+            notes: self.notes,
+        })
+    }
+
+    /// The pairs named in the text, then the ground with everybody not named together with it.
+    fn pair_friction(&self) -> Vec<PairFriction> {
+        let mut pairs: Vec<PairFriction> = Vec::new();
+        let mut add = |a: usize, b: usize, friction_coefficient: f64| {
+            let bodies = [a.min(b), a.max(b)];
+            if a != b && !pairs.iter().any(|pair| pair.bodies == bodies) {
+                pairs.push(PairFriction {
+                    bodies,
+                    friction_coefficient,
+                });
+            }
+        };
+        for ([first, second], friction) in &self.scene.contact.pairs {
+            for a in self.bodies_called(first) {
+                for b in self.bodies_called(second) {
+                    add(a, b, *friction);
+                }
+            }
+        }
+        let ground = self.scene.ground.as_ref();
+        if let Some(friction) = ground.and_then(|ground| ground.friction_coefficient) {
+            for b in 1..self.bodies.len() {
+                add(0, b, friction);
+            }
+        }
+        pairs
+    }
+
+    /// Bodies with this name, or copies of the entry with this name.
+    fn bodies_called(&self, name: &str) -> Vec<usize> {
+        let of_entry = |entry: Option<usize>| match entry {
+            Some(entry) => self.scene.bodies[entry].name == name,
+            None => name == GROUND,
+        };
+        let bodies = self.bodies.iter().enumerate();
+        bodies
+            .filter(|(_, body)| body.setup.name == name || of_entry(body.entry))
+            .map(|(index, _)| index)
+            .collect()
+    }
+}
+
+/// Material of each element, an index into the body's list of materials; or (key, message).
+fn element_materials(body: &Body, mesh: &TetMesh) -> Result<Vec<u32>, (String, String)> {
+    let BodyMaterial::ByRegion(pairs) = &body.material else {
+        return Ok(vec![0; mesh.tets.len()]);
+    };
+    let regions = || mesh.region_names.iter().map(String::as_str);
+    for (region, _) in pairs {
+        if !regions().any(|name| name == region) {
+            let hint = suggestion(region, regions());
+            let message = format!("the body has no region called `{region}`{hint}");
+            return Err((format!("material.{region}"), message));
+        }
+    }
+    let of_region: Vec<Option<usize>> = regions()
+        .map(|name| pairs.iter().position(|(region, _)| region == name))
+        .collect();
+    if let Some(missing) = of_region.iter().position(Option::is_none) {
+        let message = format!(
+            "region `{}` of the body has no material; name one for each of {}",
+            mesh.region_names[missing],
+            regions().collect::<Vec<_>>().join(", ")
+        );
+        return Err(("material".to_owned(), message));
+    }
+    let material = |region: &u32| of_region[*region as usize].unwrap_or(0) as u32;
+    Ok(mesh.regions.iter().map(material).collect())
+}
+
+/// A box of six tetrahedra.
+fn ground_mesh(ground: &Ground) -> TetMesh {
+    let size_m = DVec3::new(ground.size_m, ground.size_m, ground.thickness_m);
+    let [x, y] = ground.center_m;
+    let top_m = DVec3::new(x, y, ground.height_m);
+    let centre_m = top_m - DVec3::Z * (ground.thickness_m / 2.0);
+    let mut mesh = super::shape_mesh::box_mesh(size_m);
+    let frame = Frame::at(centre_m);
+    mesh = frame.applied_to(&mesh);
+    // Exactly level, whatever the rounding: bodies are placed to touch it.
+    for node in &mut mesh.nodes_m {
+        if node.z > centre_m.z {
+            node.z = ground.height_m;
+        }
+    }
+    mesh
+}

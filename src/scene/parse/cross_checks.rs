@@ -1,0 +1,174 @@
+//! What the parts of a scene say about each other: names that must exist, names that must differ.
+
+use super::super::description::{Body, BodyMaterial, GROUND, SceneDescription};
+use super::super::findings::Findings;
+use super::super::path;
+use super::super::presets::PRESETS;
+use super::super::problem::suggestion;
+use super::super::tree::Node;
+use super::is_ground;
+
+/// Checks a scene whose parts have been read one by one.
+pub(super) fn check(scene: &SceneDescription, root: &Node, findings: &Findings) {
+    let checks = Checks {
+        scene,
+        root,
+        findings,
+    };
+    checks.names_differ();
+    checks.materials_exist();
+    checks.neighbours_exist();
+    checks.pairs_exist();
+    checks.camera_exists();
+    checks.recording_fits();
+}
+
+struct Checks<'a> {
+    scene: &'a SceneDescription,
+    root: &'a Node,
+    findings: &'a Findings,
+}
+
+impl Checks<'_> {
+    fn report(&self, path: &str, message: String) {
+        self.findings
+            .add(path::locate(self.root, path), path, message);
+    }
+
+    fn bodies(&self) -> impl Iterator<Item = (String, &Body)> {
+        let bodies = self.scene.bodies.iter().enumerate();
+        bodies.map(|(index, body)| (format!("bodies[{index}]"), body))
+    }
+
+    fn names_differ(&self) {
+        let mut seen: Vec<String> = self
+            .scene
+            .ground
+            .iter()
+            .map(|_| GROUND.to_owned())
+            .collect();
+        for (path, body) in self.bodies() {
+            for name in body.names_of_copies() {
+                if seen.contains(&name) && !name.is_empty() {
+                    self.report(
+                        &format!("{path}.name"),
+                        format!("there is another body called `{name}`; names must differ"),
+                    );
+                }
+                seen.push(name);
+            }
+        }
+    }
+
+    fn materials_exist(&self) {
+        for (path, body) in self.bodies() {
+            let path = format!("{path}.material");
+            match &body.material {
+                BodyMaterial::One(name) => self.material_exists(&path, name),
+                BodyMaterial::ByRegion(pairs) => {
+                    for (region, name) in pairs {
+                        self.material_exists(&format!("{path}.{region}"), name);
+                    }
+                }
+            }
+        }
+        if let Some(ground) = &self.scene.ground {
+            self.material_exists("ground.material", &ground.material);
+        }
+    }
+
+    fn material_exists(&self, path: &str, name: &str) {
+        let own = self.scene.materials.iter().map(|m| m.name.as_str());
+        let names = own.chain(PRESETS.iter().map(|preset| preset.name));
+        if !name.is_empty() && !names.clone().any(|known| known == name) {
+            let hint = suggestion(name, names);
+            self.report(path, format!("there is no material called `{name}`{hint}"));
+        }
+    }
+
+    /// `on` and `axes_of` name the ground or a body above, so that placing goes from top to bottom.
+    fn neighbours_exist(&self) {
+        for (index, body) in self.scene.bodies.iter().enumerate() {
+            let earlier = || {
+                self.scene.bodies[..index]
+                    .iter()
+                    .map(|body| body.name.as_str())
+            };
+            let with_ground = || earlier().chain(self.scene.ground.iter().map(|_| GROUND));
+            if let Some(on) = &body.placement.on {
+                let known = with_ground().any(|name| name == on);
+                let hint = if is_ground(on) {
+                    "; add a `[ground]` to the scene".to_owned()
+                } else {
+                    suggestion(on, with_ground())
+                };
+                self.neighbour_exists(index, "on", on, known, &hint);
+            }
+            if let Some(axes_of) = &body.placement.axes_of {
+                let known = earlier().any(|name| name == axes_of);
+                let hint = suggestion(axes_of, earlier());
+                self.neighbour_exists(index, "axes_of", axes_of, known, &hint);
+            }
+        }
+    }
+
+    fn neighbour_exists(&self, body: usize, key: &str, name: &str, known: bool, hint: &str) {
+        if known {
+            return;
+        }
+        let later = self.scene.bodies[body..]
+            .iter()
+            .any(|body| body.name == name);
+        let message = if later {
+            format!("`{name}` must stand above this body in the scene's text to be named here")
+        } else {
+            format!("there is no body called `{name}` above this one{hint}")
+        };
+        self.report(&format!("bodies[{body}].{key}"), message);
+    }
+
+    fn pairs_exist(&self) {
+        let names = || {
+            let bodies = self.scene.bodies.iter().map(|body| body.name.as_str());
+            bodies.chain(self.scene.ground.iter().map(|_| GROUND))
+        };
+        for (index, (pair, _)) in self.scene.contact.pairs.iter().enumerate() {
+            for (place, name) in pair.iter().enumerate() {
+                let copy = self.scene.bodies.iter().flat_map(Body::names_of_copies);
+                if !names().any(|known| known == name) && !copy.into_iter().any(|c| c == *name) {
+                    let hint = suggestion(name, names());
+                    self.report(
+                        &format!("contact.pairs[{index}].bodies[{place}]"),
+                        format!("there is no body called `{name}`{hint}"),
+                    );
+                }
+            }
+        }
+    }
+
+    fn camera_exists(&self) {
+        let names = self.scene.cameras.iter().map(|camera| camera.name.as_str());
+        if let Some(name) = &self.scene.recording.camera
+            && !names.clone().any(|known| known == name)
+        {
+            let hint = suggestion(name, names);
+            self.report(
+                "recording.camera",
+                format!("there is no camera called `{name}`{hint}"),
+            );
+        }
+    }
+
+    fn recording_fits(&self) {
+        let start_s = self.scene.recording.start_s;
+        if start_s >= self.scene.duration_s && start_s > 0.0 {
+            self.report(
+                "recording.start",
+                format!(
+                    "the recording starts at {start_s} s, but the scene ends at {} s (`time.duration`)",
+                    self.scene.duration_s
+                ),
+            );
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Contact, time, cameras and recording.
+
+use super::super::description::{Camera, ColorBy, Contact, Eye, Recording};
+use super::super::quantity::Quantity;
+use super::super::reader::Table;
+use super::{check_name, read_friction};
+use crate::sim::{ContactMethod, ContactParameters, TimeParameters};
+
+pub(super) fn read_contact(mut table: Table) -> Contact {
+    let defaults = ContactParameters::default();
+    let friction = read_friction(&mut table);
+    let pairs = table.tables("pairs").into_iter().filter_map(read_pair);
+    Contact {
+        pairs: pairs.collect(),
+        friction_coefficient: friction.unwrap_or(defaults.friction_coefficient),
+        self_collision: table
+            .flag("self_collision")
+            .unwrap_or(defaults.self_collision),
+        rest_speed_m_s: table.number("rest_speed", Quantity::not_negative("m/s")),
+        method: read_method(&mut table),
+    }
+}
+
+fn read_method(table: &mut Table) -> ContactMethod {
+    let penalty = table
+        .choice("method", &[("lagrange", false), ("penalty", true)])
+        .unwrap_or(false);
+    if penalty {
+        table.require(
+            "penalty_stiffness",
+            "a number (N/m), for the method \"penalty\"",
+        );
+    }
+    let stiffness_n_m = table.number("penalty_stiffness", Quantity::positive("N/m"));
+    let passes = table.integer("passes", 1, 10_000);
+    let tolerance = table.number("tolerance", Quantity::positive("").up_to(1.0));
+    let elastic = table.choice("impact", &[("elastic", true), ("plastic", false)]);
+    if penalty {
+        ContactMethod::Penalty {
+            stiffness_n_m: stiffness_n_m.unwrap_or(1.0),
+        }
+    } else {
+        ContactMethod::Lagrange {
+            passes: passes.unwrap_or(3),
+            tolerance: tolerance.unwrap_or(1e-4),
+            conserve_impact_energy: elastic.unwrap_or(true),
+        }
+    }
+}
+
+fn read_pair(mut table: Table) -> Option<([String; 2], f64)> {
+    table.require(
+        "bodies",
+        "the names of the two bodies, as in `bodies = [\"a\", \"b\"]`",
+    );
+    let bodies = table.texts("bodies", 2, 2);
+    let friction = read_friction(&mut table);
+    if friction.is_none() && !table.has("friction_angle") {
+        table.require(
+            "friction",
+            "a number (coefficient), or `friction_angle` (degrees)",
+        );
+    }
+    let bodies = <[String; 2]>::try_from(bodies?).ok()?;
+    Some((bodies, friction.unwrap_or(0.0)))
+}
+
+/// Duration and intervals.
+pub(super) fn read_time(mut table: Table) -> (f64, TimeParameters) {
+    let defaults = TimeParameters::default();
+    let seconds = Quantity::positive("s");
+    let share = Quantity::positive("").up_to(1.0);
+    let duration_s = table.required_number("duration", seconds);
+    let free_interval = table.number("free_interval", seconds);
+    let vibration = table.number("vibration_tolerance", Quantity::not_negative("").up_to(1.0));
+    let time = TimeParameters {
+        cfl: table.number("cfl", share).unwrap_or(defaults.cfl),
+        free_interval_s: free_interval.unwrap_or(defaults.free_interval_s),
+        free_travel: table.flag("free_travel").unwrap_or(defaults.free_travel),
+        vibration_tolerance: vibration.unwrap_or(defaults.vibration_tolerance),
+        sleeping: table.flag("sleeping").unwrap_or(defaults.sleeping),
+        max_step_s: table.number("max_step", seconds).unwrap_or(f64::INFINITY),
+    };
+    (duration_s, time)
+}
+
+pub(super) fn read_camera((name, mut table): (String, Table)) -> Camera {
+    check_name(&table, &name);
+    let target_m = table.vector("target", "m");
+    let position = table.vector("position", "m");
+    let yaw = table.number("yaw", Quantity::any("degrees"));
+    let pitch = table.number("pitch", Quantity::strictly_between(-90.0, 90.0, "degrees"));
+    let distance_m = table.number("distance", Quantity::positive("m"));
+    let wide = Quantity::strictly_between(1.0, 150.0, "degrees");
+    let field_of_view_deg = table.number("field_of_view", wide).unwrap_or(35.0);
+    let angles = ["yaw", "pitch", "distance"];
+    if table.has("position") && angles.iter().any(|key| table.has(key)) {
+        let message = format!(
+            "`{}` already says where the eye is; leave out `yaw`, `pitch` and `distance`",
+            table.name_of("position")
+        );
+        table.problem("position", message);
+    }
+    if position.is_some() && position == target_m {
+        let message = format!(
+            "`{}` must not be the target itself",
+            table.name_of("position")
+        );
+        table.problem("position", message);
+    }
+    let around = Eye::Around {
+        yaw_deg: yaw.unwrap_or(30.0),
+        pitch_deg: pitch.unwrap_or(20.0),
+        distance_m,
+    };
+    Camera {
+        name,
+        target_m,
+        eye: position.map_or(around, Eye::At),
+        field_of_view_deg,
+    }
+}
+
+/// Without a stated interval the history gets some 500 rows.
+pub(super) fn read_recording(mut table: Table, duration_s: f64) -> Recording {
+    let fps = Quantity::positive("1/s").up_to(1000.0);
+    let seconds = Quantity::not_negative("s");
+    let history_every = table.number("history_every", seconds);
+    let slow_motion = table.number("slow_motion", Quantity::positive(""));
+    let size = table.numbers("size", 2, 2, Quantity::positive("pixels").up_to(8192.0));
+    Recording {
+        fps: table.number("fps", fps).unwrap_or(30.0),
+        slow_motion: slow_motion.unwrap_or(1.0),
+        start_s: table.number("start", seconds).unwrap_or(0.0),
+        size_px: size.map_or([960, 540], |size| {
+            [size[0] as u32, size[1] as u32].map(|n| n.max(1))
+        }),
+        color_by: table
+            .choice("color_by", &ColorBy::NAMED)
+            .unwrap_or_default(),
+        camera: table.text("camera"),
+        history_every_s: history_every.unwrap_or(duration_s / 500.0),
+    }
+}
