@@ -63,11 +63,7 @@ impl Builder {
                     *self.index.entry(at).or_insert(next)
                 };
                 let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-                let pair = if far {
-                    [[a, b, c], [a, c, d]]
-                } else {
-                    [[a, c, b], [a, d, c]]
-                };
+                let pair = if far { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
                 self.triangles.extend(pair);
             }
         }
@@ -81,10 +77,7 @@ impl Builder {
         }
         BodyFrame {
             palette_srgb: Arc::new([[0.72, 0.74, 0.78]]),
-            surface: Arc::new(SurfaceTopology {
-                triangles: self.triangles,
-                ..Default::default()
-            }),
+            surface: Arc::new(SurfaceTopology { triangles: self.triangles, ..Default::default() }),
             positions_m,
             ..Default::default()
         }
@@ -126,43 +119,24 @@ fn joined(a: BodyFrame, b: BodyFrame) -> BodyFrame {
 }
 
 fn frame(bodies: Vec<BodyFrame>) -> Frame {
-    Frame {
-        time_s: 0.00125,
-        bodies,
-        ..Default::default()
-    }
+    Frame { time_s: 0.00125, bodies, ..Default::default() }
 }
 
 /// A floor that the framing recognizes.
 fn ground() -> BodyFrame {
-    fixed(block(
-        Vec3::new(-5.0, -5.0, -0.2),
-        Vec3::new(5.0, 5.0, 0.0),
-        [1, 1, 1],
-    ))
+    fixed(block(Vec3::new(-5.0, -5.0, -0.2), Vec3::new(5.0, 5.0, 0.0), [1, 1, 1]))
 }
 
 /// A hammer, its head down, a little above the floor.
 fn hammer(fine: u32) -> BodyFrame {
-    let handle = block(
-        Vec3::new(-0.018, -0.014, 0.0),
-        Vec3::new(0.018, 0.014, 0.30),
-        [fine, fine, 8 * fine],
-    );
+    let handle = block(Vec3::new(-0.018, -0.014, 0.0), Vec3::new(0.018, 0.014, 0.30), [fine, fine, 8 * fine]);
     let head = block(
         Vec3::new(-0.075, -0.025, 0.285),
         Vec3::new(0.075, 0.025, 0.345),
         [5 * fine, 2 * fine, 2 * fine],
     );
-    let whole = joined(
-        colored(handle, [0.76, 0.53, 0.31]),
-        colored(head, [0.50, 0.54, 0.60]),
-    );
-    turned(
-        whole,
-        Vec3::new(0.0, 0.0, 0.2),
-        Quat::from_rotation_x(2.2) * Quat::from_rotation_z(0.5),
-    )
+    let whole = joined(colored(handle, [0.76, 0.53, 0.31]), colored(head, [0.50, 0.54, 0.60]));
+    turned(whole, Vec3::new(0.0, 0.0, 0.2), Quat::from_rotation_x(2.2) * Quat::from_rotation_z(0.5))
 }
 
 mod gallery {
@@ -192,24 +166,12 @@ mod gallery {
 
     fn still_life(fine: u32) -> Frame {
         let blocks = [
-            block(
-                Vec3::new(0.16, -0.10, 0.0),
-                Vec3::new(0.30, 0.04, 0.14),
-                [2 * fine; 3],
-            ),
-            block(
-                Vec3::new(-0.34, 0.02, 0.0),
-                Vec3::new(-0.20, 0.16, 0.14),
-                [2 * fine; 3],
-            ),
+            block(Vec3::new(0.16, -0.10, 0.0), Vec3::new(0.30, 0.04, 0.14), [2 * fine; 3]),
+            block(Vec3::new(-0.34, 0.02, 0.0), Vec3::new(-0.20, 0.16, 0.14), [2 * fine; 3]),
         ];
         let [red, blue] = blocks;
         let tilted = turned(
-            block(
-                Vec3::new(0.15, -0.09, 0.145),
-                Vec3::new(0.27, 0.03, 0.265),
-                [2 * fine; 3],
-            ),
+            block(Vec3::new(0.15, -0.09, 0.145), Vec3::new(0.27, 0.03, 0.265), [2 * fine; 3]),
             Vec3::new(0.21, -0.03, 0.2),
             Quat::from_rotation_z(0.6),
         );
@@ -253,47 +215,15 @@ mod gallery {
         };
         let pictures = [
             ("light", NamedView::ThreeQuarter, view.clone()),
-            (
-                "dark",
-                NamedView::ThreeQuarter,
-                View {
-                    background: Background::Dark,
-                    ..view.clone()
-                },
-            ),
-            (
-                "stress",
-                NamedView::ThreeQuarter,
-                View {
-                    color_by: ColorBy::VonMises,
-                    ..view.clone()
-                },
-            ),
+            ("dark", NamedView::ThreeQuarter, View { background: Background::Dark, ..view.clone() }),
+            ("stress", NamedView::ThreeQuarter, View { color_by: ColorBy::VonMises, ..view.clone() }),
             (
                 "signed",
                 NamedView::Right,
-                View {
-                    color_by: ColorBy::MaxPrincipal,
-                    background: Background::Dark,
-                    ..view.clone()
-                },
+                View { color_by: ColorBy::MaxPrincipal, background: Background::Dark, ..view.clone() },
             ),
-            (
-                "wire",
-                NamedView::ThreeQuarter,
-                View {
-                    wireframe: true,
-                    ..view.clone()
-                },
-            ),
-            (
-                "front",
-                NamedView::Front,
-                View {
-                    color_by: ColorBy::Body,
-                    ..view.clone()
-                },
-            ),
+            ("wire", NamedView::ThreeQuarter, View { wireframe: true, ..view.clone() }),
+            ("front", NamedView::Front, View { color_by: ColorBy::Body, ..view.clone() }),
             ("top", NamedView::Top, view.clone()),
             ("high", NamedView::High, view.clone()),
         ];
@@ -307,38 +237,10 @@ mod gallery {
         let variants = [
             ("as is", scene.clone(), view.clone()),
             ("fewer triangles", small.clone(), view.clone()),
-            (
-                "wireframe",
-                small.clone(),
-                View {
-                    wireframe: true,
-                    ..view.clone()
-                },
-            ),
-            (
-                "stress",
-                small.clone(),
-                View {
-                    color_by: ColorBy::VonMises,
-                    ..view.clone()
-                },
-            ),
-            (
-                "no floor",
-                frame(small.bodies[1..].to_vec()),
-                View {
-                    ground: Ground::Hidden,
-                    ..view.clone()
-                },
-            ),
-            (
-                "nothing",
-                frame(vec![ground()]),
-                View {
-                    ground: Ground::Hidden,
-                    ..view.clone()
-                },
-            ),
+            ("wireframe", small.clone(), View { wireframe: true, ..view.clone() }),
+            ("stress", small.clone(), View { color_by: ColorBy::VonMises, ..view.clone() }),
+            ("no floor", frame(small.bodies[1..].to_vec()), View { ground: Ground::Hidden, ..view.clone() }),
+            ("nothing", frame(vec![ground()]), View { ground: Ground::Hidden, ..view.clone() }),
         ];
         for (name, scene, view) in variants {
             let triangles: usize = scene.bodies.iter().map(|b| b.surface.triangles.len()).sum();

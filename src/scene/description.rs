@@ -111,9 +111,7 @@ impl BodyMaterial {
             Self::One(name) => (Some(name.as_str()), [].as_slice()),
             Self::ByRegion(pairs) => (None, pairs.as_slice()),
         };
-        let many = many
-            .iter()
-            .map(|(_, name): &(String, String)| name.as_str());
+        let many = many.iter().map(|(_, name): &(String, String)| name.as_str());
         one.into_iter().chain(many)
     }
 }
@@ -297,9 +295,6 @@ impl ColorBy {
     /// Name in scenes and on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
-        Self::NAMED
-            .iter()
-            .find(|(_, value)| *value == self)
-            .map_or("material", |(name, _)| name)
+        Self::NAMED.iter().find(|(_, value)| *value == self).map_or("material", |(name, _)| name)
     }
 }

@@ -22,16 +22,9 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
     let materials = read_materials(&mut table);
     let ground = table.table("ground").map(read_ground);
     table.require("bodies", "the scene needs at least one `[[bodies]]`");
-    let bodies: Vec<_> = table
-        .tables("bodies")
-        .into_iter()
-        .map(bodies::read_body)
-        .collect();
+    let bodies: Vec<_> = table.tables("bodies").into_iter().map(bodies::read_body).collect();
     if table.has("bodies") && bodies.is_empty() {
-        table.problem(
-            "bodies",
-            "the scene needs at least one `[[bodies]]`".to_owned(),
-        );
+        table.problem("bodies", "the scene needs at least one `[[bodies]]`".to_owned());
     }
     let contact = settings::read_contact(table.table_or_empty("contact"));
     let (duration_s, time) = settings::read_time(table.table_or_empty("time"));
@@ -56,10 +49,7 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
 
 fn read_materials(table: &mut Table) -> Vec<Material> {
     let tables = table.named_tables("materials");
-    tables
-        .into_iter()
-        .map(|(name, table)| read_material(name, table))
-        .collect()
+    tables.into_iter().map(|(name, table)| read_material(name, table)).collect()
 }
 
 /// A material starts from the library's entry that `preset` names, or that has its own name.
@@ -114,9 +104,7 @@ fn add_library_materials(scene: &mut SceneDescription) {
 }
 
 fn read_ground(mut table: Table) -> Ground {
-    let size_m = table
-        .number("size", Quantity::positive("m"))
-        .unwrap_or(10.0);
+    let size_m = table.number("size", Quantity::positive("m")).unwrap_or(10.0);
     let thickness = table.number("thickness", Quantity::positive("m"));
     let center = table.numbers("center", 2, 2, Quantity::any("m"));
     Ground {
@@ -124,9 +112,7 @@ fn read_ground(mut table: Table) -> Ground {
         center_m: center.map_or([0.0; 2], |xy| [xy[0], xy[1]]),
         size_m,
         thickness_m: thickness.unwrap_or(0.05 * size_m),
-        material: table
-            .text("material")
-            .unwrap_or_else(|| "concrete".to_owned()),
+        material: table.text("material").unwrap_or_else(|| "concrete".to_owned()),
         friction_coefficient: read_friction(&mut table),
         color_srgb: read_color(&mut table, "color"),
     }
@@ -172,13 +158,10 @@ fn parse_hex_color(text: &str) -> Option<[f32; 3]> {
 
 /// Names are used in paths, columns and file names: letters, digits, `-` and `_`.
 fn check_name(table: &Table, name: &str) {
-    let sound = name
-        .chars()
-        .all(|c| c.is_alphanumeric() || c == '-' || c == '_');
+    let sound = name.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_');
     if name.is_empty() || !sound || name.parse::<usize>().is_ok() {
-        let message = format!(
-            "\"{name}\" is no name: use letters, digits, `-` and `_`, and not digits alone"
-        );
+        let message =
+            format!("\"{name}\" is no name: use letters, digits, `-` and `_`, and not digits alone");
         table.problem("name", message);
     }
 }

@@ -285,10 +285,8 @@ impl Table {
         let check = Check("table");
         self.check(check)?;
         let leg_m = self.height_m - self.top_thickness_m;
-        let element_m = check.element_size_m(
-            meshing.resolution,
-            self.length_m.max(self.width_m).max(leg_m) / 2.0,
-        )?;
+        let element_m =
+            check.element_size_m(meshing.resolution, self.length_m.max(self.width_m).max(leg_m) / 2.0)?;
         let across = |length_m: f64| {
             let inner_m = length_m / 2.0 - self.leg_width_m;
             let leg = cells_along(self.leg_width_m, element_m);

@@ -53,17 +53,8 @@ impl Hammer {
         let element_m = check.element_size_m(meshing.resolution, self.handle_width_m)?;
         let plan = self.plan(element_m);
         let cells = [plan.x.cells(), plan.y.cells(), plan.z.cells()];
-        let hexes = lattice(
-            check.0,
-            cells,
-            |cell| plan.region_of(cell),
-            |at| plan.position_m(at),
-        )?;
-        let split = if plan.round {
-            HexSplit::Six
-        } else {
-            meshing.split
-        };
+        let hexes = lattice(check.0, cells, |cell| plan.region_of(cell), |at| plan.position_m(at))?;
+        let split = if plan.round { HexSplit::Six } else { meshing.split };
         let mut mesh = hexes.split(split, &["head", "handle"]);
         centre_on_mass(&mut mesh);
         Ok(mesh)
@@ -94,26 +85,16 @@ impl Hammer {
     fn plan(&self, element_m: f64) -> Plan {
         let round = element_m < 0.75 * self.handle_width_m;
         let cells = |length_m: f64| {
-            if round {
-                cells_along(length_m, element_m)
-            } else {
-                1
-            }
+            if round { cells_along(length_m, element_m) } else { 1 }
         };
         let even = |length_m: f64| {
-            if round {
-                even_cells_along(length_m, element_m)
-            } else {
-                1
-            }
+            if round { even_cells_along(length_m, element_m) } else { 1 }
         };
         let (radius_m, half_m) = (self.head_width_m / 2.0, self.handle_width_m / 2.0);
         let share = self.handle_share(round);
         let (side, handle) = (cells((1.0 - share) * radius_m), even(self.handle_width_m));
-        let (low_m, high_m) = (
-            Self::EYE * self.head_length_m - half_m,
-            Self::EYE * self.head_length_m + half_m,
-        );
+        let (low_m, high_m) =
+            (Self::EYE * self.head_length_m - half_m, Self::EYE * self.head_length_m + half_m);
         Plan {
             hammer: *self,
             x: Axis::new(
@@ -133,11 +114,7 @@ impl Hammer {
     /// head's surface a share `s` lies at the angle `s pi/4`.
     fn handle_share(&self, round: bool) -> f64 {
         let ratio = self.handle_width_m / self.head_width_m;
-        let share = if round {
-            ratio.asin() / std::f64::consts::FRAC_PI_4
-        } else {
-            ratio
-        };
+        let share = if round { ratio.asin() / std::f64::consts::FRAC_PI_4 } else { ratio };
         share.min(0.9)
     }
 
@@ -196,11 +173,7 @@ impl Plan {
         let middle_m = Hammer::EYE * self.hammer.head_length_m;
         let v = self.y.at(j) / self.y.at(self.y.break_at(2));
         let w = (self.z.at(k) - middle_m) / half_m;
-        let [y, z] = if self.round {
-            rounded_square(v, w)
-        } else {
-            [v, w]
-        };
+        let [y, z] = if self.round { rounded_square(v, w) } else { [v, w] };
         let grip = self.grip_scale(self.x.at(i));
         DVec3::new(self.x.at(i), y * half_m * grip, middle_m + z * half_m * grip)
     }

@@ -63,10 +63,7 @@ pub(super) struct Disc {
 
 impl Disc {
     pub fn new(size: DiscSize) -> Self {
-        let mut disc = Self {
-            size,
-            ..Self::default()
-        };
+        let mut disc = Self { size, ..Self::default() };
         disc.add_core();
         let mut inner = disc.core_rim();
         for ring in 1..=size.rings {

@@ -126,10 +126,7 @@ impl Cup {
         let bottom_m = Self::BOTTOM_RATIO * self.wall_m;
         let bottom = cells_along(bottom_m, element_m);
         let wall = cells_along(self.height_m - bottom_m, 0.75 * element_m).max(6);
-        let size = DiscSize {
-            core,
-            rings: wall_rings,
-        };
+        let size = DiscSize { core, rings: wall_rings };
         let [core_cells, ring_cells] = size.core_and_ring_cells();
         let hexes = (core_cells + ring_cells) * f64::from(bottom) + ring_cells * f64::from(wall);
         check_count(check.0, hexes)?;
@@ -391,8 +388,7 @@ impl Lamp {
     pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
         let check = Check("lamp");
         self.check(check)?;
-        let element_m =
-            check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
+        let element_m = check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
         let plan = self.plan(check, element_m)?;
         let sweep = Sweep::new(
             &plan.disc,
@@ -454,10 +450,7 @@ impl Lamp {
             cells_along(breaks_m[3] - breaks_m[2], stem_element_m),
             cells_along(wall_m, element_m),
         ];
-        let size = DiscSize {
-            core,
-            rings: gap_rings + wall_rings,
-        };
+        let size = DiscSize { core, rings: gap_rings + wall_rings };
         check_count(check.0, lamp_cells(size, wall_rings, levels))?;
         Ok(LampPlan {
             lamp: *self,
@@ -479,11 +472,7 @@ fn lamp_cells(size: DiscSize, wall_rings: u32, levels: [u32; 4]) -> f64 {
 
 impl LampPlan {
     fn split(&self, wanted: HexSplit) -> HexSplit {
-        if self.disc.around() > 4 {
-            HexSplit::Six
-        } else {
-            wanted
-        }
+        if self.disc.around() > 4 { HexSplit::Six } else { wanted }
     }
 
     fn region_of(&self, ring: u32, level: u32) -> Option<u32> {
