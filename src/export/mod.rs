@@ -1,4 +1,5 @@
 //! Pictures and data as files.
 
 pub mod gif;
+mod palette;
 pub mod png;
