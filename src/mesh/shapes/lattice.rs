@@ -144,14 +144,14 @@ pub(super) fn even_cells_along(length_m: f64, size_m: f64) -> u32 {
     2 * rounded(length_m / (2.0 * size_m))
 }
 
-/// Nearest whole number, from 1 up to more than any mesh may have along one axis.
+/// Nearest whole number, from 1 up to just too many hexahedra along one axis alone.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "clamped to a range that fits"
 )]
 fn rounded(value: f64) -> u32 {
-    value.round().clamp(1.0, f64::from(ELEMENT_LIMIT)) as u32
+    value.round().clamp(1.0, f64::from(ELEMENT_LIMIT / 5)) as u32
 }
 
 /// Maps the square [-1, 1]^2 to the unit disc: concentric squares become concentric circles, and

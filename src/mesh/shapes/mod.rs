@@ -4,18 +4,22 @@
 //! pile stand on z = 0 with their axis at x = y = 0; the hammer at its centre of mass. All shapes
 //! are made of hexahedra (see [`HexSplit`] for how those are cut).
 
+mod ball;
 mod blocks;
+mod cup;
 mod hammer;
 mod hex_mesh;
+mod lamp;
 mod lathe;
 mod lattice;
-mod round;
 
 use super::TetMesh;
+pub use ball::Ball;
 pub use blocks::{Beam, BoxShape, NotchSide, Pile, Plate, Rod, Table};
+pub use cup::Cup;
 pub use hammer::Hammer;
 pub use hex_mesh::HexSplit;
-pub use round::{Ball, Cup, Lamp};
+pub use lamp::Lamp;
 
 /// Most tetrahedra a built-in shape may have.
 pub const ELEMENT_LIMIT: u32 = 5_000_000;
@@ -129,7 +133,7 @@ impl Shape {
     }
 }
 
-/// Checks arguments of one shape, for [`ShapeError`] to name it.
+/// Checks the arguments of one shape, for [`ShapeError`] to name it.
 #[derive(Clone, Copy)]
 struct Check(&'static str);
 

@@ -1,61 +1,14 @@
-//! Round shapes: ball, cup, lamp.
+//! A cup: a swept disc whose upper levels keep only the wall, with a bow for a handle.
 
+use super::hex_mesh::HexMesh;
 use super::lathe::{Disc, DiscNode, DiscSize, Sweep};
-use super::lattice::{Axis, cells_along, check_count, disc_from_square, even_cells_along, lattice};
+use super::lattice::{
+    Axis, cells_along, check_count, disc_from_square, even_cells_along, odd_count,
+};
 use super::{Check, HexSplit, Meshing, ShapeError};
 use crate::mesh::TetMesh;
 use glam::DVec3;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
-
-/// A ball centred at the origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball {
-    /// Radius, m.
-    pub radius_m: f64,
-}
-
-impl Default for Ball {
-    fn default() -> Self {
-        Self { radius_m: 0.05 }
-    }
-}
-
-impl Ball {
-    /// Refinement 1 is a cube of two cells a side, bent round.
-    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
-        let check = Check("ball");
-        check.length("radius_m", self.radius_m)?;
-        let quarter_m = self.radius_m * FRAC_PI_2;
-        let element_m = check.element_size_m(meshing.resolution, quarter_m / 2.0)?;
-        let cells = even_cells_along(quarter_m, element_m);
-        let hexes = lattice(
-            check.0,
-            [cells; 3],
-            |_| Some(0),
-            |at| {
-                let cube = at.map(|n| 2.0 * f64::from(n) / f64::from(cells) - 1.0);
-                self.radius_m * ball_from_cube(DVec3::from_array(cube))
-            },
-        )?;
-        Ok(hexes.split(HexSplit::Six, &["all"]))
-    }
-}
-
-/// Size of the innermost cubes over cubes spaced evenly to the surface: a compromise, by trial,
-/// between the worst quality (better when larger) and the smallest altitude (better when smaller).
-const BALL_CORE_SCALE: f64 = 0.7;
-
-/// Maps the cube [-1, 1]^3 to the unit ball: cubes near the centre stay cubes, outer ones become
-/// spheres whose points lie at equal angles.
-fn ball_from_cube(cube: DVec3) -> DVec3 {
-    let depth = cube.abs().max_element();
-    if depth == 0.0 {
-        return DVec3::ZERO;
-    }
-    let on_cube = cube / depth;
-    let on_sphere = (on_cube * FRAC_PI_4).map(f64::tan).normalize();
-    depth * (on_cube * BALL_CORE_SCALE).lerp(on_sphere, depth)
-}
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// A round cup, open at the top, that stands on z = 0 with its handle towards +x; regions
 /// `"bowl"` and `"handle"`.
@@ -156,7 +109,7 @@ impl Cup {
         })
     }
 
-    /// Outer radius at height `z_m`: a straight foot that opens into a soft curve.
+    /// Outer radius at height `z_m`: narrow at the foot, upright at the rim.
     fn outer_radius_m(&self, z_m: f64) -> f64 {
         let down = 1.0 - z_m / self.height_m;
         self.radius_m * (1.0 - (1.0 - Self::FOOT_RATIO) * down * down)
@@ -251,7 +204,7 @@ impl CupPlan {
             let next = if step == steps {
                 last.clone()
             } else {
-                let angle = FRAC_PI_2 - std::f64::consts::PI * f64::from(step) / f64::from(steps);
+                let angle = FRAC_PI_2 - PI * f64::from(step) / f64::from(steps);
                 bow.add_section(&mut sweep.mesh, angle, step, &section)
             };
             add_bridge(&mut sweep.mesh, &section, &next, 1);
@@ -261,12 +214,7 @@ impl CupPlan {
 }
 
 /// Fills the space between two grids of nodes, `[y][z]`, with hexahedra.
-fn add_bridge(
-    mesh: &mut super::hex_mesh::HexMesh,
-    from: &[Vec<u32>],
-    to: &[Vec<u32>],
-    region: u32,
-) {
+fn add_bridge(mesh: &mut HexMesh, from: &[Vec<u32>], to: &[Vec<u32>], region: u32) {
     for p in 0..from.len() - 1 {
         for q in 0..from[p].len() - 1 {
             let corners = std::array::from_fn(|c| {
@@ -293,7 +241,7 @@ struct Bow {
 }
 
 impl Bow {
-    fn between(mesh: &super::hex_mesh::HexMesh, upper: &[Vec<u32>], lower: &[Vec<u32>]) -> Self {
+    fn between(mesh: &HexMesh, upper: &[Vec<u32>], lower: &[Vec<u32>]) -> Self {
         let [low, high] = [lower, upper].map(|grid| {
             let nodes: Vec<DVec3> = grid.iter().flatten().map(|&n| mesh.position_m(n)).collect();
             nodes.iter().sum::<DVec3>() / nodes.len() as f64
@@ -318,13 +266,13 @@ impl Bow {
     }
 
     fn length_m(&self) -> f64 {
-        std::f64::consts::PI * f64::midpoint(self.reach_m, self.rise_m)
+        PI * f64::midpoint(self.reach_m, self.rise_m)
     }
 
     /// Adds the nodes of the section at `angle` (pi/2 at the upper end, -pi/2 at the lower one).
     fn add_section(
         &self,
-        mesh: &mut super::hex_mesh::HexMesh,
+        mesh: &mut HexMesh,
         angle: f64,
         step: u32,
         like: &[Vec<u32>],
@@ -346,7 +294,7 @@ impl Bow {
                         let at_m = middle_m
                             + DVec3::Y * (u * self.half_width_m)
                             + outward * (v * self.half_thickness_m);
-                        mesh.add_node(at_m, super::lattice::odd_count([p, q, step]))
+                        mesh.add_node(at_m, odd_count([p, q, step]))
                     })
                     .collect()
             })
@@ -363,208 +311,4 @@ fn rounded_section(p: u32, across: u32, q: u32, through: u32) -> [f64; 2] {
     }
     let [x, y] = disc_from_square(u, v);
     [f64::midpoint(u, x), f64::midpoint(v, y)]
-}
-
-/// A table lamp that stands on z = 0: a round foot, a thin stem and a shade open at the bottom;
-/// regions `"foot"`, `"stem"` and `"shade"`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lamp {
-    /// Height, m.
-    pub height_m: f64,
-    /// Radius of the foot, m.
-    pub foot_radius_m: f64,
-    /// Radius of the stem, m.
-    pub stem_radius_m: f64,
-    /// Radius of the shade at its lower rim, m.
-    pub shade_radius_m: f64,
-    /// Height of the shade, m.
-    pub shade_height_m: f64,
-}
-
-impl Default for Lamp {
-    fn default() -> Self {
-        Self {
-            height_m: 0.45,
-            foot_radius_m: 0.1,
-            stem_radius_m: 0.018,
-            shade_radius_m: 0.14,
-            shade_height_m: 0.18,
-        }
-    }
-}
-
-/// Layers and rings of a lamp: the core is the stem; the inner rings bridge the gap between stem
-/// and shade; the outer ones are the shade's wall. The foot fills all of them.
-struct LampPlan {
-    lamp: Lamp,
-    disc: Disc,
-    gap_rings: u32,
-    wall_rings: u32,
-    /// Breaks: floor, top of the foot, lower rim of the shade, lower face of its cap, top.
-    z: Axis,
-}
-
-impl Lamp {
-    /// Radius of the shade at the top over that at the rim.
-    const SHADE_TAPER: f64 = 0.6;
-    /// Thickness of the shade's wall and cap over its radius.
-    const WALL_RATIO: f64 = 0.12;
-    /// Thickness of the foot at the stem over its radius.
-    const FOOT_RATIO: f64 = 0.34;
-    /// Thickness of the foot at its rim over that at the stem.
-    const RIM_RATIO: f64 = 0.5;
-    /// How much longer than wide the stem's cells may be.
-    const STEM_STRETCH: f64 = 4.0;
-
-    /// Refinement 1 has four sides, refinement 4 sixteen.
-    pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
-        let check = Check("lamp");
-        self.check(check)?;
-        let element_m =
-            check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
-        let plan = self.plan(check, element_m)?;
-        let sweep = Sweep::new(
-            &plan.disc,
-            plan.z.cells(),
-            |ring, level| plan.region_of(ring, level),
-            |node, level| plan.position_m(node, level),
-        );
-        let split = plan.split(meshing.split);
-        Ok(sweep.mesh.split(split, &["foot", "stem", "shade"]))
-    }
-
-    fn check(&self, check: Check) -> Result<(), ShapeError> {
-        check.lengths(&[
-            ("height_m", self.height_m),
-            ("foot_radius_m", self.foot_radius_m),
-            ("stem_radius_m", self.stem_radius_m),
-            ("shade_radius_m", self.shade_radius_m),
-            ("shade_height_m", self.shade_height_m),
-        ])?;
-        let narrowest_m = (0.9 * self.foot_radius_m)
-            .min((Self::SHADE_TAPER - Self::WALL_RATIO) * 0.8 * self.shade_radius_m);
-        check.below(
-            "stem_radius_m",
-            self.stem_radius_m,
-            narrowest_m,
-            "what foot and shade leave room for",
-        )?;
-        check.below(
-            "shade_height_m",
-            self.shade_height_m,
-            self.height_m - Self::FOOT_RATIO * self.foot_radius_m,
-            "the height above the foot",
-        )?;
-        let cap_m = Self::WALL_RATIO * self.shade_radius_m;
-        if self.shade_height_m <= 1.5 * cap_m {
-            let expected = format!("more than {} m, or the shade has no inside", 1.5 * cap_m);
-            return Err(check.error("shade_height_m", self.shade_height_m, expected));
-        }
-        Ok(())
-    }
-
-    fn plan(&self, check: Check, element_m: f64) -> Result<LampPlan, ShapeError> {
-        let side_m = TAU * self.shade_radius_m / 4.0;
-        let core = match cells_along(side_m, element_m) {
-            1 => 1,
-            _ => even_cells_along(side_m, element_m),
-        };
-        let wall_m = Self::WALL_RATIO * self.shade_radius_m;
-        let gap_rings = cells_along(self.foot_radius_m - self.stem_radius_m - wall_m, element_m);
-        let wall_rings = cells_along(wall_m, element_m);
-        let foot_m = Self::FOOT_RATIO * self.foot_radius_m;
-        let breaks_m = [
-            0.0,
-            foot_m,
-            self.height_m - self.shade_height_m,
-            self.height_m - wall_m,
-            self.height_m,
-        ];
-        let stem_cell_m = TAU * self.stem_radius_m / f64::from(4 * core);
-        let stem_element_m = element_m.min(Self::STEM_STRETCH * stem_cell_m);
-        let levels = [
-            cells_along(foot_m, element_m),
-            cells_along(breaks_m[2] - foot_m, stem_element_m),
-            cells_along(breaks_m[3] - breaks_m[2], stem_element_m),
-            cells_along(wall_m, element_m),
-        ];
-        let size = DiscSize {
-            core,
-            rings: gap_rings + wall_rings,
-        };
-        check_count(check.0, lamp_cells(size, wall_rings, levels))?;
-        Ok(LampPlan {
-            lamp: *self,
-            disc: Disc::new(size),
-            gap_rings,
-            wall_rings,
-            z: Axis::new(&breaks_m, &levels),
-        })
-    }
-}
-
-/// Hexahedra of a lamp; `levels` counts those of foot, stem, shade and cap.
-fn lamp_cells(size: DiscSize, wall_rings: u32, levels: [u32; 4]) -> f64 {
-    let [core, rings] = size.core_and_ring_cells();
-    let wall = f64::from(size.around()) * f64::from(wall_rings);
-    let [foot, stem, shade, cap] = levels.map(f64::from);
-    (core + rings) * (foot + cap) + core * stem + (core + wall) * shade
-}
-
-impl LampPlan {
-    fn split(&self, wanted: HexSplit) -> HexSplit {
-        if self.disc.around() > 4 {
-            HexSplit::Six
-        } else {
-            wanted
-        }
-    }
-
-    fn region_of(&self, ring: u32, level: u32) -> Option<u32> {
-        match self.z.interval_of(level) {
-            0 => Some(0),
-            _ if ring == 0 => Some(1),
-            1 => None,
-            2 => (ring > self.gap_rings).then_some(2),
-            _ => Some(2),
-        }
-    }
-
-    fn position_m(&self, node: &DiscNode, level: u32) -> DVec3 {
-        let z_m = self.z.at(level);
-        let radius_m = self.circle_radius_m(node.ring, z_m);
-        let height_m = if level <= self.z.break_at(1) {
-            z_m * self.foot_slope(radius_m)
-        } else {
-            z_m
-        };
-        (node.unit * radius_m).extend(height_m)
-    }
-
-    /// The foot gets thinner towards its rim.
-    fn foot_slope(&self, radius_m: f64) -> f64 {
-        let lamp = &self.lamp;
-        let outward = (radius_m - lamp.stem_radius_m) / (lamp.foot_radius_m - lamp.stem_radius_m);
-        1.0 - (1.0 - Lamp::RIM_RATIO) * outward
-    }
-
-    fn circle_radius_m(&self, ring: u32, z_m: f64) -> f64 {
-        let lamp = &self.lamp;
-        let (gap, wall) = (f64::from(self.gap_rings), f64::from(self.wall_rings));
-        let ring = f64::from(ring);
-        if z_m <= self.z.at(self.z.break_at(1)) {
-            let t = ring / (gap + wall);
-            return lamp.stem_radius_m * (1.0 - t) + lamp.foot_radius_m * t;
-        }
-        let up = (z_m - (lamp.height_m - lamp.shade_height_m)) / lamp.shade_height_m;
-        let outer_m = lamp.shade_radius_m * (1.0 - (1.0 - Lamp::SHADE_TAPER) * up);
-        let inner_m = outer_m - Lamp::WALL_RATIO * lamp.shade_radius_m;
-        if ring <= gap {
-            let t = ring / gap;
-            lamp.stem_radius_m * (1.0 - t) + inner_m * t
-        } else {
-            let t = (ring - gap) / wall;
-            inner_m * (1.0 - t) + outer_m * t
-        }
-    }
 }
