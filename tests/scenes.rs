@@ -136,6 +136,57 @@ fn bodies_on_others_touch_and_do_not_overlap() {
     assert!((found.depth_m - 1e-4 * 37.3f64.to_radians().cos()).abs() < 1e-7);
 }
 
+/// Sides by letters are the shape's own, `top` and `bottom` the world's.
+#[test]
+fn sides_and_regions_choose_the_right_nodes() {
+    let text = r#"title = "t"
+[[bodies]]
+name = "rod"
+shape = { type = "rod", length = 1, width = 0.1, height = 0.1, cells = [10, 1, 1] }
+material = "rubber"
+rotation = { axis = [0, 1, 0], degrees = -90 }
+boundary = [
+    { at = "x-max", fixed = true },
+    { at = "bottom", fixed = true, axes = "z" },
+    { at = { side = "left", depth = 0.25 }, force = [0, 0, 1] },
+]
+[[bodies]]
+name = "hammer"
+shape = { type = "hammer" }
+material = { handle = "wood", head = "steel" }
+position = [3, 0, 0]
+[time]
+duration = 1
+"#;
+    let scene = build(text, &[]).unwrap();
+    let rod = &scene.setup.bodies[0];
+    let heights = |boundary: usize| {
+        let nodes = rod.boundary[boundary].nodes.iter();
+        nodes
+            .map(|&node| (rod.mesh.nodes_m[node as usize].z * 10.0).round() as i64)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(heights(0), [5; 4], "the end at +x was turned up");
+    assert_eq!(heights(1), [-5; 4]);
+    let mut layer = heights(2);
+    layer.sort_unstable();
+    layer.dedup();
+    assert_eq!(layer, [-5, -4, -3]);
+    let axes = [false, false, true];
+    assert_eq!(rod.boundary[1].action, BoundaryAction::Fixed { axes });
+
+    let hammer = &scene.setup.bodies[1];
+    for (element, &region) in hammer.mesh.regions.iter().enumerate() {
+        let material = &hammer.materials[hammer.element_material[element] as usize].name;
+        let expected = if hammer.mesh.region_names[region as usize] == "head" {
+            "steel"
+        } else {
+            "wood"
+        };
+        assert_eq!(material, expected);
+    }
+}
+
 #[test]
 fn all_problems_are_told_at_once_each_with_its_line() {
     let text = r##"titel = "x"

@@ -266,6 +266,8 @@ pub enum ColorBy {
     /// The colours of the materials and bodies.
     #[default]
     Material,
+    /// Each body in its own colour.
+    Body,
     /// Speed.
     Speed,
     /// Distance from the rigidly moved shape.
@@ -282,8 +284,9 @@ pub enum ColorBy {
 
 impl ColorBy {
     /// All of them with their names in scenes and on the command line.
-    pub const NAMED: [(&'static str, Self); 7] = [
+    pub const NAMED: [(&'static str, Self); 8] = [
         ("material", Self::Material),
+        ("body", Self::Body),
         ("speed", Self::Speed),
         ("displacement", Self::Displacement),
         ("von-mises", Self::VonMises),

@@ -105,6 +105,12 @@ impl Scene {
         self.document.to_toml()
     }
 
+    /// The folder that relative paths of mesh files start at.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The overrides that were applied.
     #[must_use]
     pub fn overrides(&self) -> &[String] {

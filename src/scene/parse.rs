@@ -170,3 +170,77 @@ fn check_name(table: &Table, name: &str) {
 fn is_ground(name: &str) -> bool {
     name == GROUND
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::document::SceneDocument;
+    use super::super::{BUILTIN_SCENES, PRESETS};
+    use super::*;
+
+    const REFERENCE: &str = include_str!("../../assets/scene-reference.md");
+
+    /// Uses a table of every kind, so that every key is asked for.
+    const EVERYTHING: &str = r#"
+        title = "t"
+        materials.m.preset = "steel"
+        ground = {}
+        contact.pairs = [{ bodies = ["a", "ground"], friction = 1 }]
+        time.duration = 1
+        cameras.c = {}
+        bodies = [
+            { name = "a", material = "m", mesh.file = "f", rotation = { axis = [0, 0, 1], degrees = 1 },
+              motion = "kinematic", prescribed = {},
+              copies = { count = 1, offset = [0, 0, 0], rotation = { axis = [0, 0, 1], degrees = 1 } } },
+            { name = "b", material = "m", shape.type = "box", boundary = [
+                { at.box = { min = [0, 0, 0], max = [1, 1, 1] }, fixed = true },
+                { at.sphere = { center = [0, 0, 0], radius = 1 }, force = [0, 0, 1] } ] },
+        ]"#;
+
+    fn keys_of(text: &str) -> Vec<&'static str> {
+        let document = SceneDocument::parse("test", text).unwrap();
+        let findings = Findings::default();
+        read_scene(document.root(), &findings);
+        let keys = findings.asked().into_iter().map(|(_, key)| key).collect();
+        let problems = findings.into_problems();
+        assert!(problems.is_empty(), "{problems:?}");
+        keys
+    }
+
+    #[test]
+    fn the_reference_names_every_key() {
+        let mut keys = keys_of(EVERYTHING);
+        for builtin in BUILTIN_SCENES {
+            keys.extend(keys_of(builtin.text));
+        }
+        for shape in [
+            "rod", "plate", "pile", "beam", "ball", "table", "cup", "lamp", "hammer",
+        ] {
+            keys.extend(keys_of(
+                &EVERYTHING.replace(r#"= "box""#, &format!("= {shape:?}")),
+            ));
+        }
+        let words: Vec<&str> = REFERENCE
+            .split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
+            .collect();
+        for key in keys {
+            assert!(words.contains(&key), "the scene reference lacks `{key}`");
+        }
+    }
+
+    #[test]
+    fn the_reference_lists_the_library() {
+        for preset in PRESETS {
+            let row = format!("| `{}` | {} | ", preset.name, preset.density_kg_m3);
+            let rest = REFERENCE.split_once(&row).map(|(_, rest)| rest);
+            let mut cells = rest.unwrap_or_else(|| panic!("no row {row}")).split(" | ");
+            let modulus: f64 = cells.next().unwrap().parse().unwrap();
+            assert_eq!(modulus, preset.youngs_modulus_pa, "{}", preset.name);
+        }
+    }
+
+    #[test]
+    fn the_example_of_the_reference_is_a_scene() {
+        let example = REFERENCE.split("```toml").nth(1).unwrap();
+        keys_of(example.split("```").next().unwrap());
+    }
+}
