@@ -116,7 +116,11 @@ fn rows(folder: &Path, subfolder: &str) -> Vec<Row> {
     rows
 }
 
-fn read(folder: &Path, row: &Row, drop_bad_elements: bool) -> Result<ImportedMesh, ImportError> {
+fn read(
+    folder: &Path,
+    row: &Row,
+    drop_bad_elements: bool,
+) -> Result<ImportedMesh, Box<ImportError>> {
     read_mesh(
         &folder.join(&row.file),
         &ImportOptions { drop_bad_elements },

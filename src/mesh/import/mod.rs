@@ -14,6 +14,7 @@
 mod cells;
 mod cursor;
 mod error;
+mod finish;
 mod format;
 mod medit;
 mod msh;
@@ -57,13 +58,15 @@ pub struct ImportedMesh {
 /// Reads a tetrahedral mesh.
 ///
 /// # Errors
-/// [`ImportError`] with the file, the place in it and the reason, when the file cannot be read, is
+/// [`ImportError`], boxed since it is large and rare, with the file, the place in it and the reason, when the file cannot be read, is
 /// of another format, malformed, or not a sound mesh of tetrahedra.
-pub fn read_mesh(path: &Path, options: &ImportOptions) -> Result<ImportedMesh, ImportError> {
-    let with_file = |failure: Failure| ImportError {
-        file: path.to_owned(),
-        place: failure.place,
-        problem: failure.problem,
+pub fn read_mesh(path: &Path, options: &ImportOptions) -> Result<ImportedMesh, Box<ImportError>> {
+    let with_file = |failure: Failure| {
+        Box::new(ImportError {
+            file: path.to_owned(),
+            place: failure.place,
+            problem: failure.problem,
+        })
     };
     let data = read_file(path).map_err(|problem| {
         with_file(Failure {
@@ -109,7 +112,7 @@ fn parse_mesh(
         Format::Vtk => vtk::read(&mut cursor)?,
         Format::Medit => medit::read(&mut cursor)?,
     };
-    let imported = raw::finish(raw, &cursor, options)?;
+    let imported = finish::finish(raw, &cursor, options)?;
     Ok(ImportedMesh {
         format: format.name(cursor.is_binary()),
         ..imported

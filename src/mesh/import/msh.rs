@@ -91,7 +91,8 @@ pub(super) fn end_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
     const WANTED: &str = "the end of the section";
     cursor.all_items_read();
     let word = cursor.word(WANTED)?;
-    if word.strip_prefix(b"$End") == Some(name[1..].as_bytes()) {
+    let expected = format!("$End{}", name.trim_start_matches('$'));
+    if word == expected.as_bytes() {
         return Ok(());
     }
     Err(cursor.failure(Problem::SectionGoesOn {
@@ -102,7 +103,7 @@ pub(super) fn end_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
 
 /// Skips a section that is of no use.
 pub(super) fn skip_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
-    let end = format!("$End{}", &name[1..]);
+    let end = format!("$End{}", name.trim_start_matches('$'));
     if cursor.skip_past(end.as_bytes()) {
         Ok(())
     } else {
