@@ -141,10 +141,7 @@ fn bodies_on_others_touch_and_do_not_overlap() {
 fn the_example_with_mesh_files_builds() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes/tet");
     if !folder.is_dir() {
-        eprintln!(
-            "NOT TESTED: the meshes are absent, {} is no folder",
-            folder.display()
-        );
+        eprintln!("NOT TESTED: the meshes are absent, {} is no folder", folder.display());
         return;
     }
     let text = include_str!("../assets/scenes/examples/hammer-on-table-mesh.toml");
@@ -153,12 +150,7 @@ fn the_example_with_mesh_files_builds() {
     };
     let steel = load(&[]);
     let rubber = load(&["materials.stuff.preset=rubber".to_owned()]);
-    let counts: Vec<usize> = steel
-        .summary
-        .bodies
-        .iter()
-        .map(|body| body.elements)
-        .collect();
+    let counts: Vec<usize> = steel.summary.bodies.iter().map(|body| body.elements).collect();
     assert_eq!(counts, [6, 17_004, 9_683]);
     assert!(rubber.summary.step_s() > 20.0 * steel.summary.step_s());
     let added = |scene: &Scene| {
@@ -167,15 +159,9 @@ fn the_example_with_mesh_files_builds() {
     };
     assert!((added(&steel) - 0.01).abs() < 1e-6 && (added(&rubber) - 0.01).abs() < 1e-6);
     let unscaled = load(&["bodies.hammer.mass_scaling=0".to_owned()]);
-    assert!(
-        unscaled.summary.step_s() < 0.1 * steel.summary.step_s(),
-        "slivers dictate the step"
-    );
+    assert!(unscaled.summary.step_s() < 0.1 * steel.summary.step_s(), "slivers dictate the step");
     let (low, high) = steel.setup.bodies[1].mesh.bounds_m().unwrap();
-    assert!(
-        low.z.abs() < 1e-12 && (high.z - 0.70).abs() < 0.01,
-        "it stands: {low} {high}"
-    );
+    assert!(low.z.abs() < 1e-12 && (high.z - 0.70).abs() < 0.01, "it stands: {low} {high}");
 }
 
 /// Sides by letters are the shape's own, `top` and `bottom` the world's.
@@ -567,15 +553,11 @@ fn mutated_scenes_never_panic() {
 #[test]
 fn random_overrides_never_panic() {
     let text = BUILTIN_SCENES[0].text;
-    let words: Vec<String> = tokens_of(text)
-        .into_iter()
-        .filter(|t| !t.trim().is_empty())
-        .collect();
+    let words: Vec<String> = tokens_of(text).into_iter().filter(|t| !t.trim().is_empty()).collect();
     let mut random = SmallRandom(0xbad5eed);
     for _ in 0..2000 {
-        let path: Vec<&str> = (0..=random.below(3))
-            .map(|_| words[random.below(words.len())].as_str())
-            .collect();
+        let path: Vec<&str> =
+            (0..=random.below(3)).map(|_| words[random.below(words.len())].as_str()).collect();
         let glue = if random.below(10) == 0 { "[" } else { "=" };
         let value = &words[random.below(words.len())];
         let text_of_override = format!("{}{glue}{value}", path.join("."));

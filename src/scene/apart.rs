@@ -11,16 +11,11 @@ use parry3d_f64::bounding_volume::BoundingVolume;
 /// One problem for each two bodies that overlap. Bodies none of which deforms may: a wall may stand in the
 /// ground.
 pub(super) fn overlaps(scene: &SceneDescription, bodies: &[BuiltBody]) -> Vec<BuildProblem> {
-    let boxes: Vec<_> = bodies
-        .iter()
-        .map(|body| boxes::of_mesh(&body.setup.mesh))
-        .collect();
+    let boxes: Vec<_> = bodies.iter().map(|body| boxes::of_mesh(&body.setup.mesh)).collect();
     let mut problems = Vec::new();
     for second in 0..bodies.len() {
         for first in 0..second {
-            let near = boxes[first]
-                .zip(boxes[second])
-                .is_some_and(|(a, b)| a.intersects(&b));
+            let near = boxes[first].zip(boxes[second]).is_some_and(|(a, b)| a.intersects(&b));
             let (a, b) = (&bodies[first], &bodies[second]);
             if !near || !(deforms(a) || deforms(b)) {
                 continue;
@@ -59,9 +54,7 @@ fn remedy(scene: &SceneDescription, a: &BuiltBody, b: &BuiltBody) -> String {
         return "take a larger `offset` of the copies".to_owned();
     }
     let lift_m = free_height_m(&b.setup.mesh, &a.setup.mesh).map_or(0.0, |height_m| -height_m);
-    let name = a
-        .entry
-        .map_or(GROUND, |entry| scene.bodies[entry].name.as_str());
+    let name = a.entry.map_or(GROUND, |entry| scene.bodies[entry].name.as_str());
     format!(
         "move one of them: `{}` is clear {lift_m:.4} m higher, and `on = \"{name}\"` would put it \
          there",

@@ -83,10 +83,7 @@ fn problem_of_shape(error: ShapeError) -> ShapeProblem {
 }
 
 fn mesh_of_file(file: &MeshFile, folder: &Path) -> Result<ShapeMesh, ShapeProblem> {
-    let problem = |message: String| ShapeProblem {
-        key: "mesh.file".to_owned(),
-        message,
-    };
+    let problem = |message: String| ShapeProblem { key: "mesh.file".to_owned(), message };
     let path = folder.join(&file.file);
     if !path.exists() {
         return Err(problem(format!(
@@ -94,9 +91,7 @@ fn mesh_of_file(file: &MeshFile, folder: &Path) -> Result<ShapeMesh, ShapeProble
             path.display()
         )));
     }
-    let options = ImportOptions {
-        drop_bad_elements: file.drop_bad_elements,
-    };
+    let options = ImportOptions { drop_bad_elements: file.drop_bad_elements };
     let imported = read_mesh(&path, &options).map_err(|error| problem(error.to_string()))?;
     let mut mesh = imported.mesh;
     if mesh.tets.len() > ELEMENT_LIMIT {
@@ -112,17 +107,12 @@ fn mesh_of_file(file: &MeshFile, folder: &Path) -> Result<ShapeMesh, ShapeProble
         *node_m *= file.scale;
     }
     check_extent(&mesh)?;
-    Ok(ShapeMesh {
-        mesh,
-        notes: imported.notes,
-    })
+    Ok(ShapeMesh { mesh, notes: imported.notes })
 }
 
 /// Beyond these sizes volumes and stiffness leave the range of numbers; the built-in shapes' limits, too.
 fn check_extent(mesh: &TetMesh) -> Result<(), ShapeProblem> {
-    let extent_m = mesh
-        .bounds_m()
-        .map_or(0.0, |(low, high)| (high - low).length());
+    let extent_m = mesh.bounds_m().map_or(0.0, |(low, high)| (high - low).length());
     if (1e-9..=1e9).contains(&extent_m) {
         return Ok(());
     }

@@ -11,11 +11,7 @@ use crate::mesh::{ElementShape, Surface, TetMesh};
 const FLAT_QUALITY: f64 = 1e-8;
 
 /// Checks a raw mesh and makes it a [`TetMesh`].
-pub(super) fn finish(
-    mut raw: RawMesh,
-    cursor: &Cursor<'_>,
-    options: &ImportOptions,
-) -> Read<ImportedMesh> {
+pub(super) fn finish(mut raw: RawMesh, cursor: &Cursor<'_>, options: &ImportOptions) -> Read<ImportedMesh> {
     if raw.tets.is_empty() {
         let found = match raw.left_out_text() {
             text if text.is_empty() => counted(raw.nodes_m.len() as u64, "node"),
@@ -34,13 +30,7 @@ pub(super) fn finish(
     {
         "all".clone_into(only);
     }
-    Ok(ImportedMesh {
-        mesh,
-        notes: raw.notes,
-        format: "",
-        dropped_elements,
-        unused_nodes,
-    })
+    Ok(ImportedMesh { mesh, notes: raw.notes, format: "", dropped_elements, unused_nodes })
 }
 
 /// Finds nodes by their numbers in the file.
@@ -72,10 +62,7 @@ impl NodeIndex {
         {
             return Some(index);
         }
-        let at = self
-            .sorted
-            .binary_search_by_key(&number, |entry| entry.0)
-            .ok()?;
+        let at = self.sorted.binary_search_by_key(&number, |entry| entry.0).ok()?;
         Some(self.sorted[at].1)
     }
 }
@@ -95,16 +82,9 @@ fn connect(raw: &mut RawMesh, cursor: &Cursor<'_>) -> Read<TetMesh> {
     for tet in &raw.tets {
         let mut corners = [0; 4];
         for (corner, node) in corners.iter_mut().zip(tet.nodes) {
-            *corner = index.find(node).ok_or_else(|| {
-                at_element(
-                    cursor,
-                    tet,
-                    Problem::MissingNode {
-                        element: tet.number,
-                        node,
-                    },
-                )
-            })?;
+            *corner = index
+                .find(node)
+                .ok_or_else(|| at_element(cursor, tet, Problem::MissingNode { element: tet.number, node }))?;
         }
         mesh.tets.push(corners);
     }
@@ -113,10 +93,7 @@ fn connect(raw: &mut RawMesh, cursor: &Cursor<'_>) -> Read<TetMesh> {
 
 fn at_element(cursor: &Cursor<'_>, tet: &RawTet, problem: Problem) -> Box<Failure> {
     Box::new(Failure {
-        place: Place {
-            position: Some(cursor.position(tet.at)),
-            ..Place::default()
-        },
+        place: Place { position: Some(cursor.position(tet.at)), ..Place::default() },
         problem,
     })
 }
@@ -126,10 +103,7 @@ fn note_conversions(raw: &mut RawMesh) {
         raw.notes.push(format!("left out: {}", raw.left_out_text()));
     }
     if raw.quadratic > 0 {
-        let text = format!(
-            "{} 10-node tetrahedra reduced to their 4 corners",
-            raw.quadratic
-        );
+        let text = format!("{} 10-node tetrahedra reduced to their 4 corners", raw.quadratic);
         raw.notes.push(text);
     }
 }
@@ -138,10 +112,7 @@ fn note_conversions(raw: &mut RawMesh) {
 fn turn_if_left_handed(mesh: &mut TetMesh, notes: &mut Vec<String>) {
     let volumes = (0..mesh.tets.len()).map(|tet| ElementShape::of(&mesh.corners_m(tet)).volume_m3);
     let (left, right) = volumes.fold((0_usize, 0_usize), |(left, right), volume| {
-        (
-            left + usize::from(volume < 0.0),
-            right + usize::from(volume > 0.0),
-        )
+        (left + usize::from(volume < 0.0), right + usize::from(volume > 0.0))
     });
     if left > right {
         mesh.tets.iter_mut().for_each(|tet| tet.swap(2, 3));
@@ -163,12 +134,8 @@ fn handle_bad_elements(
     let total = mesh.tets.len();
     if !options.drop_bad_elements {
         let tet = &raw.tets[*first];
-        let problem = Problem::BadElement {
-            element: tet.number,
-            fault: fault.clone(),
-            bad: bad.len(),
-            total,
-        };
+        let problem =
+            Problem::BadElement { element: tet.number, fault: fault.clone(), bad: bad.len(), total };
         return Err(at_element(cursor, tet, problem));
     }
     if bad.len() == total {
@@ -189,25 +156,16 @@ fn retain_by<T>(values: &mut Vec<T>, keep: &[bool]) {
 
 fn dropped_note(bad: &[(usize, String)], tets: &[RawTet]) -> String {
     const MOST_NAMED: usize = 8;
-    let named: Vec<String> = bad
-        .iter()
-        .take(MOST_NAMED)
-        .map(|&(tet, _)| tets[tet].number.to_string())
-        .collect();
+    let named: Vec<String> =
+        bad.iter().take(MOST_NAMED).map(|&(tet, _)| tets[tet].number.to_string()).collect();
     let more = if bad.len() > MOST_NAMED { ", ..." } else { "" };
-    format!(
-        "{} bad elements of {} dropped: {}{more}",
-        bad.len(),
-        tets.len(),
-        named.join(", ")
-    )
+    format!("{} bad elements of {} dropped: {}{more}", bad.len(), tets.len(), named.join(", "))
 }
 
 /// Indices of the elements that cannot be simulated, ascending, each with what is wrong.
 fn bad_elements(mesh: &TetMesh, tets: &[RawTet]) -> Vec<(usize, String)> {
-    let mut bad: Vec<(usize, String)> = (0..mesh.tets.len())
-        .filter_map(|tet| Some((tet, fault_of(mesh, tet, &tets[tet])?)))
-        .collect();
+    let mut bad: Vec<(usize, String)> =
+        (0..mesh.tets.len()).filter_map(|tet| Some((tet, fault_of(mesh, tet, &tets[tet])?))).collect();
     bad.extend(doubled_elements(mesh, tets));
     bad.sort_by_key(|entry| entry.0);
     bad.dedup_by_key(|entry| entry.0);
@@ -249,9 +207,7 @@ fn doubled_elements(mesh: &TetMesh, tets: &[RawTet]) -> Vec<(usize, String)> {
         .chunk_by(|a, b| a.0 == b.0)
         .flat_map(|group| {
             let first = tets[group[0].1].number;
-            group[1..]
-                .iter()
-                .map(move |&(_, tet)| (tet, format!("the same as element {first}")))
+            group[1..].iter().map(move |&(_, tet)| (tet, format!("the same as element {first}")))
         })
         .collect()
 }

@@ -95,10 +95,7 @@ pub(super) fn end_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
     if word == expected.as_bytes() {
         return Ok(());
     }
-    Err(cursor.failure(Problem::SectionGoesOn {
-        wanted: WANTED,
-        found: readable(word),
-    }))
+    Err(cursor.failure(Problem::SectionGoesOn { wanted: WANTED, found: readable(word) }))
 }
 
 /// Skips a section that is of no use.
@@ -130,21 +127,14 @@ impl<K: Ord + Copy> Regions<K> {
 
     /// Gives the regions that tetrahedra use their names, in order of appearance.
     pub fn name(self, raw: &mut RawMesh, name_of: impl Fn(K) -> String) -> Read<()> {
-        let keys: BTreeMap<u32, K> = self
-            .0
-            .into_iter()
-            .map(|(key, index)| (index, key))
-            .collect();
+        let keys: BTreeMap<u32, K> = self.0.into_iter().map(|(key, index)| (index, key)).collect();
         let mut named = BTreeMap::new();
         for tet in 0..raw.tets.len() {
             let index = raw.tets[tet].region;
             let region = match named.get(&index) {
                 Some(&region) => region,
                 None => {
-                    let name = keys
-                        .get(&index)
-                        .map(|&key| name_of(key))
-                        .unwrap_or_default();
+                    let name = keys.get(&index).map(|&key| name_of(key)).unwrap_or_default();
                     *named.entry(index).or_insert(raw.region(&name)?)
                 }
             };

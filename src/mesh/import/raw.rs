@@ -40,10 +40,7 @@ impl RawMesh {
     /// Reads the coordinates of a node.
     pub fn read_node(&mut self, cursor: &mut Cursor<'_>, number: u64) -> Read<()> {
         let mut at = [0.0; 3];
-        for (value, wanted) in
-            at.iter_mut()
-                .zip(["an x coordinate", "a y coordinate", "a z coordinate"])
-        {
+        for (value, wanted) in at.iter_mut().zip(["an x coordinate", "a y coordinate", "a z coordinate"]) {
             *value = cursor.real(wanted)?;
         }
         self.add_node(cursor, number, at)
@@ -82,25 +79,14 @@ impl RawMesh {
                 _ => {}
             }
         }
-        self.keep_cell(
-            cell,
-            RawTet {
-                nodes,
-                number,
-                region,
-                at,
-            },
-        );
+        self.keep_cell(cell, RawTet { nodes, number, region, at });
         Ok(())
     }
 
     /// Refuses cells that cannot be used.
     pub fn check_kind(&self, cursor: &Cursor<'_>, cell: CellType, number: u64) -> Read<()> {
         if cell.role == Role::Refused {
-            return Err(cursor.failure(Problem::CellKind {
-                element: number,
-                kind: cell.name.to_owned(),
-            }));
+            return Err(cursor.failure(Problem::CellKind { element: number, kind: cell.name.to_owned() }));
         }
         Ok(())
     }
@@ -145,11 +131,7 @@ impl RawMesh {
     }
 
     pub fn left_out_text(&self) -> String {
-        let parts: Vec<String> = self
-            .left_out
-            .iter()
-            .map(|&(name, count)| counted(count, name))
-            .collect();
+        let parts: Vec<String> = self.left_out.iter().map(|&(name, count)| counted(count, name)).collect();
         parts.join(", ")
     }
 }
@@ -160,8 +142,5 @@ pub(super) fn counted(count: u64, name: &str) -> String {
 }
 
 pub(super) fn whole_file(problem: Problem) -> Box<Failure> {
-    Box::new(Failure {
-        place: Place::default(),
-        problem,
-    })
+    Box::new(Failure { place: Place::default(), problem })
 }

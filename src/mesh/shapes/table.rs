@@ -22,13 +22,7 @@ pub struct Table {
 
 impl Default for Table {
     fn default() -> Self {
-        Self {
-            length_m: 1.2,
-            width_m: 0.8,
-            height_m: 0.72,
-            top_thickness_m: 0.06,
-            leg_width_m: 0.1,
-        }
+        Self { length_m: 1.2, width_m: 0.8, height_m: 0.72, top_thickness_m: 0.06, leg_width_m: 0.1 }
     }
 }
 
@@ -41,10 +35,8 @@ impl Table {
         let check = Check("table");
         self.check(check)?;
         let leg_m = self.height_m - self.top_thickness_m;
-        let element_m = check.element_size_m(
-            meshing.resolution,
-            self.length_m.max(self.width_m).max(leg_m) / 2.0,
-        )?;
+        let element_m =
+            check.element_size_m(meshing.resolution, self.length_m.max(self.width_m).max(leg_m) / 2.0)?;
         let across = |length_m: f64| {
             let inner_m = length_m / 2.0 - self.leg_width_m;
             let leg = cells_along(self.leg_width_m, element_m);
@@ -56,10 +48,7 @@ impl Table {
         let (x, y) = (across(self.length_m), across(self.width_m));
         let z = Axis::new(
             &[0.0, leg_m, self.height_m],
-            &[
-                cells_along(leg_m, element_m).max(3),
-                cells_along(self.top_thickness_m, element_m),
-            ],
+            &[cells_along(leg_m, element_m).max(3), cells_along(self.top_thickness_m, element_m)],
         );
         let region_of = |[i, j, k]: [u32; 3]| match z.interval_of(k) {
             1 => Some(0),
@@ -92,12 +81,7 @@ impl Table {
             ("top_thickness_m", self.top_thickness_m),
             ("leg_width_m", self.leg_width_m),
         ])?;
-        check.below(
-            "top_thickness_m",
-            self.top_thickness_m,
-            self.height_m,
-            "`height_m`",
-        )?;
+        check.below("top_thickness_m", self.top_thickness_m, self.height_m, "`height_m`")?;
         check.below(
             "leg_width_m",
             self.leg_width_m,

@@ -71,26 +71,15 @@ impl Checks<'_> {
     /// An override may change a material of the library, but not one that no body is of: it would be
     /// without effect.
     fn new_materials_are_used(&self) {
-        let ground = self
-            .scene
-            .ground
-            .iter()
-            .map(|ground| ground.material.as_str());
-        let bodies = self
-            .scene
-            .bodies
-            .iter()
-            .flat_map(|body| body.material.names());
+        let ground = self.scene.ground.iter().map(|ground| ground.material.as_str());
+        let bodies = self.scene.bodies.iter().flat_map(|body| body.material.names());
         let used: Vec<&str> = bodies.chain(ground).collect();
         for material in &self.scene.materials {
             let path = format!("materials.{}", material.name);
             let new = matches!(path::locate(self.root, &path), Origin::Override(_));
             if new && !used.contains(&material.name.as_str()) {
                 let hint = suggestion(&material.name, used.iter().copied());
-                self.report(
-                    &path,
-                    format!("no body is of the material `{}`{hint}", material.name),
-                );
+                self.report(&path, format!("no body is of the material `{}`{hint}", material.name));
             }
         }
     }
