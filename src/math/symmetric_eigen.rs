@@ -137,8 +137,8 @@ mod tests {
             "{matrix:?}"
         );
         let gram = eigen.directions.transpose() * eigen.directions;
-        assert!(largest_entry(&(gram - DMat3::IDENTITY)) < 1e-15);
-        assert!((eigen.directions.determinant() - 1.0).abs() < 1e-15);
+        assert!(largest_entry(&(gram - DMat3::IDENTITY)) < 3e-15);
+        assert!((eigen.directions.determinant() - 1.0).abs() < 3e-15);
     }
 
     proptest! {
