@@ -33,7 +33,7 @@ pub enum ElementKinematics {
 pub struct ElasticState {
     /// Strain energy, J; not finite as soon as any node position is not.
     pub strain_energy_j: f64,
-    /// Largest `sqrt(E : E)` over the elements, for [`super::green_step_factor`].
+    /// Largest `sqrt(E : E)` over the elements, for [`ElementBatches::green_step_factor`].
     pub max_strain: f64,
 }
 
