@@ -14,17 +14,10 @@ const TASK_NODES: usize = 4096;
 /// Every size, kinematics, and one and two threads; the throughput is in elements a second.
 pub fn elastic_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("elastic_step");
-    group
-        .sample_size(20)
-        .measurement_time(Duration::from_secs(3));
-    let body_frame = ElementKinematics::BodyFrame {
-        rotation: DMat3::from_rotation_x(0.3),
-    };
+    group.sample_size(20).measurement_time(Duration::from_secs(3));
+    let body_frame = ElementKinematics::BodyFrame { rotation: DMat3::from_rotation_x(0.3) };
     for cells in CELLS {
-        for (name, kinematics) in [
-            ("green", ElementKinematics::Green),
-            ("body-frame", body_frame),
-        ] {
+        for (name, kinematics) in [("green", ElementKinematics::Green), ("body-frame", body_frame)] {
             let mut body = Body::new(cells);
             let elements = body.elements.element_count();
             group.throughput(Throughput::Elements(elements as u64));
@@ -57,8 +50,8 @@ impl Body {
     fn new(cells: usize) -> Self {
         let (nodes_m, tets) = unit_box(cells);
         let rubber = ElasticConstants::new(1e6, 0.3, 1000.0).expect("rubber is possible");
-        let elements = ElementBatches::new(&nodes_m, &tets, &vec![rubber; tets.len()])
-            .expect("the box is sound");
+        let elements =
+            ElementBatches::new(&nodes_m, &tets, &vec![rubber; tets.len()]).expect("the box is sound");
         let masses_kg = elements.lumped_masses_kg(None);
         let step_s = 0.5 * elements.element_stable_steps_s()[0];
         Self {
@@ -74,12 +67,8 @@ impl Body {
 
     /// Forces, then `v += h f / m`, `x += h v`.
     fn step(&mut self, kinematics: ElementKinematics) -> f64 {
-        let state = self.elements.forces(
-            &mut self.scratch,
-            &self.positions_m,
-            kinematics,
-            &mut self.forces_n,
-        );
+        let state =
+            self.elements.forces(&mut self.scratch, &self.positions_m, kinematics, &mut self.forces_n);
         let step_s = self.step_s;
         let chunks = self
             .positions_m
@@ -88,11 +77,7 @@ impl Body {
             .zip(self.forces_n.par_chunks(TASK_NODES))
             .zip(self.inverse_masses_per_kg.par_chunks(TASK_NODES));
         chunks.for_each(|(((positions, velocities), forces), inverse_masses)| {
-            let nodes = positions
-                .iter_mut()
-                .zip(velocities)
-                .zip(forces)
-                .zip(inverse_masses);
+            let nodes = positions.iter_mut().zip(velocities).zip(forces).zip(inverse_masses);
             for (((x, v), f), inverse_mass) in nodes {
                 *v += *f * (step_s * inverse_mass);
                 *x += *v * step_s;
@@ -106,21 +91,14 @@ impl Body {
 fn unit_box(cells: usize) -> (Vec<DVec3>, Vec<[u32; 4]>) {
     let along = cells + 1;
     let place = |index: usize| {
-        DVec3::new(
-            (index / along / along) as f64,
-            (index / along % along) as f64,
-            (index % along) as f64,
-        )
+        DVec3::new((index / along / along) as f64, (index / along % along) as f64, (index % along) as f64)
     };
-    let nodes_m = (0..along.pow(3))
-        .map(|index| place(index) / cells as f64)
-        .collect();
+    let nodes_m = (0..along.pow(3)).map(|index| place(index) / cells as f64).collect();
     let strides = [along * along, along, 1];
     let even = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
     let mut tets = Vec::new();
     for cell in 0..cells.pow(3) {
-        let first =
-            cell / cells / cells * strides[0] + cell / cells % cells * strides[1] + cell % cells;
+        let first = cell / cells / cells * strides[0] + cell / cells % cells * strides[1] + cell % cells;
         let last = first + strides.iter().sum::<usize>();
         for [a, b, _] in even {
             let (one, two) = (first + strides[a], first + strides[a] + strides[b]);

@@ -288,7 +288,7 @@ impl Conjugate {
 }
 
 fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, step_s: f64) -> bool {
-    rows.iter().any(|row| {
+    rows.iter().filter(|row| row.softness_per_kg == 0.0).any(|row| {
         let c = &constraints[row.index];
         let normal_v = table.relative_velocity(row.index, &c.weights).dot(c.normal);
         let allowed_m = PENETRATION_LEFT * c.size_m - c.gap_m.min(0.0);

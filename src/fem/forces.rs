@@ -170,16 +170,10 @@ impl WithSimd for ChunkForces<'_> {
         };
         for (local, &node) in (0..CHUNK_NODES).zip(nodes) {
             let x = body_from_world * (self.positions_m[node as usize] - origin_m);
-            (
-                positions[0][local],
-                positions[1][local],
-                positions[2][local],
-            ) = x.into();
+            (positions[0][local], positions[1][local], positions[2][local]) = x.into();
         }
         let totals = match self.kinematics {
-            ElementKinematics::Green => {
-                run_batches::<S, true>(simd, self.chunk, &positions, &mut forces)
-            }
+            ElementKinematics::Green => run_batches::<S, true>(simd, self.chunk, &positions, &mut forces),
             ElementKinematics::BodyFrame { .. } => {
                 run_batches::<S, false>(simd, self.chunk, &positions, &mut forces)
             }

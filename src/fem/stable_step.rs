@@ -73,9 +73,8 @@ impl ElementBatches {
             node_masses_kg[node] * (sharing.weights[element] / sharing.weights_at_nodes[node])
         };
         let tets = || self.tets.iter().enumerate();
-        let masses_kg: Vec<f64> = tets()
-            .map(|(element, tet)| tet.iter().map(|&node| part(element, node)).sum())
-            .collect();
+        let masses_kg: Vec<f64> =
+            tets().map(|(element, tet)| tet.iter().map(|&node| part(element, node)).sum()).collect();
         let steps_s: Vec<f64> = sharing.eigenvalues.iter().map(|x| 2.0 / x.sqrt()).collect();
         let scaling = scale_masses(&steps_s, &masses_kg, max_share);
         let mut scaled_kg = node_masses_kg.to_vec();
@@ -88,11 +87,7 @@ impl ElementBatches {
             step_s: scaling.step_s.max(self.stable_step_s(&scaled_kg)),
             node_masses_kg: scaled_kg,
             added_mass_kg: scaling.added_mass_kg,
-            heavier_elements: scaling
-                .factors
-                .iter()
-                .filter(|&&factor| factor > 1.0)
-                .count(),
+            heavier_elements: scaling.factors.iter().filter(|&&factor| factor > 1.0).count(),
         }
     }
 
@@ -102,9 +97,7 @@ impl ElementBatches {
         for _ in 1..SHARING_ROUNDS {
             // Elements that came out stiff get a larger share of their nodes.
             let stiffer = best.weights.iter().zip(&best.eigenvalues);
-            let weights = stiffer
-                .map(|(weight, x)| weight * (x / best.largest))
-                .collect();
+            let weights = stiffer.map(|(weight, x)| weight * (x / best.largest)).collect();
             let next = self.share(node_masses_kg, weights);
             if next.largest >= best.largest {
                 break;

@@ -59,11 +59,7 @@ pub fn best_fit_rotation(matrix: &DMat3, warm_start: DQuat) -> DQuat {
 fn horn_matrix(a: &DMat3) -> [[f64; 4]; 4] {
     let trace = a.x_axis.x + a.y_axis.y + a.z_axis.z;
     let symmetric = *a + a.transpose() - DMat3::from_diagonal(DVec3::splat(trace));
-    let axial = DVec3::new(
-        a.y_axis.z - a.z_axis.y,
-        a.z_axis.x - a.x_axis.z,
-        a.x_axis.y - a.y_axis.x,
-    );
+    let axial = DVec3::new(a.y_axis.z - a.z_axis.y, a.z_axis.x - a.x_axis.z, a.x_axis.y - a.y_axis.x);
     let row = |r: usize| {
         let [x, y, z] = symmetric.col(r).to_array();
         [x, y, z, axial[r]]

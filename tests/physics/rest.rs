@@ -29,12 +29,25 @@ fn a_dropped_rubber_cube_balances() {
             next += 0.05;
             println!(
                 "t {:.3} {:?} ke {:.4} se {:.4} pe {:.4} dis {:.4} bal {:.5} pairs {} pass {} pen {:.2e}",
-                w.time_s(), s.step.stage, s.kinetic_j, s.strain_j, s.potential_j, s.dissipated_j,
-                s.balance_j() - start, s.step.contact_pairs, s.step.passes, s.step.max_penetration_ratio
+                w.time_s(),
+                s.step.stage,
+                s.kinetic_j,
+                s.strain_j,
+                s.potential_j,
+                s.dissipated_j,
+                s.balance_j() - start,
+                s.step.contact_pairs,
+                s.step.passes,
+                s.step.max_penetration_ratio
             );
         }
     });
-    println!("steps {} wall {:?} worst {worst} pen {}", world.steps(), clock.elapsed(), world.largest_penetration_ratio());
+    println!(
+        "steps {} wall {:?} worst {worst} pen {}",
+        world.steps(),
+        clock.elapsed(),
+        world.largest_penetration_ratio()
+    );
 }
 
 #[test]
@@ -43,11 +56,12 @@ fn incline() {
         let angle = degrees.to_radians();
         let tilt = DQuat::from_rotation_y(angle);
         let mut ramp = fixed("ramp", box_mesh(DVec3::new(40.0, 2.0, 0.2), [1, 1, 1], DVec3::Z * -0.1));
-        let mut block = body(
-            "block",
-            box_mesh(DVec3::new(0.2, 0.2, 0.1), [2, 2, 1], DVec3::new(-10.0, 0.0, 0.05)),
-            { let mut m = material(1000.0, 1e7, 0.3); m.damping_per_s = 200.0; m },
-        );
+        let mut block =
+            body("block", box_mesh(DVec3::new(0.2, 0.2, 0.1), [2, 2, 1], DVec3::new(-10.0, 0.0, 0.05)), {
+                let mut m = material(1000.0, 1e7, 0.3);
+                m.damping_per_s = 200.0;
+                m
+            });
         for b in [&mut ramp, &mut block] {
             b.mesh.nodes_m.iter_mut().for_each(|x| *x = tilt * *x);
         }
@@ -62,7 +76,12 @@ fn incline() {
         let moved = (world.body_pose(1).1 - start).dot(down);
         let speed = world.body_momentum_kg_m_s(1).dot(down) / world.mass_kg(1);
         let a = G * (angle.sin() - mu * angle.cos()).max(0.0);
-        println!("incline mu {mu} {degrees}: moved {moved:e} speed {speed} theory v {a} x {} steps {} {:?}", a / 2.0, world.steps(), clock.elapsed());
+        println!(
+            "incline mu {mu} {degrees}: moved {moved:e} speed {speed} theory v {a} x {} steps {} {:?}",
+            a / 2.0,
+            world.steps(),
+            clock.elapsed()
+        );
     }
 }
 
@@ -71,7 +90,11 @@ fn stack() {
     let bodies = (0..10).map(|i| {
         let mut m = material(1000.0, 1e6, 0.3);
         m.damping_per_s = 50.0;
-        body(&format!("cube{i}"), box_mesh(DVec3::splat(0.1), [2, 2, 2], DVec3::Z * (0.05 + 0.1 * i as f64)), m)
+        body(
+            &format!("cube{i}"),
+            box_mesh(DVec3::splat(0.1), [2, 2, 2], DVec3::Z * (0.05 + 0.1 * i as f64)),
+            m,
+        )
     });
     let mut setup = world(std::iter::once(ground()).chain(bodies).collect());
     setup.contact.friction_coefficient = 0.5;
@@ -83,8 +106,16 @@ fn stack() {
             next += 0.1;
             println!(
                 "t {:.3} {:?} ke {:.3e} se {:.4} pe {:.4} dis {:.4} pairs {} pass {} pen {:.2e} top {}",
-                w.time_s(), s.step.stage, s.kinetic_j, s.strain_j, s.potential_j, s.dissipated_j,
-                s.step.contact_pairs, s.step.passes, s.step.max_penetration_ratio, w.body_pose(10).1
+                w.time_s(),
+                s.step.stage,
+                s.kinetic_j,
+                s.strain_j,
+                s.potential_j,
+                s.dissipated_j,
+                s.step.contact_pairs,
+                s.step.passes,
+                s.step.max_penetration_ratio,
+                w.body_pose(10).1
             );
         }
     });

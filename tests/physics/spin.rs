@@ -25,8 +25,13 @@ fn spin(kinematics: Kinematics, revolutions: f64) -> Spun {
     let mut world = World::new(setup).unwrap();
     let start = world.sample();
     let total = start.kinetic_j + start.strain_j;
-    let mut spun =
-        Spun { angular_momentum_error: 0.0, energy_error: 0.0, strain_energy_share: 0.0, drift_rad: 0.0, turns: 0.0 };
+    let mut spun = Spun {
+        angular_momentum_error: 0.0,
+        energy_error: 0.0,
+        strain_energy_share: 0.0,
+        drift_rad: 0.0,
+        turns: 0.0,
+    };
     let mut last = 0.0;
     let end_s = revolutions * std::f64::consts::TAU / spin.z;
     run(&mut world, end_s, |world, s| {
@@ -37,7 +42,8 @@ fn spin(kinematics: Kinematics, revolutions: f64) -> Spun {
         spun.strain_energy_share = spun.strain_energy_share.max(s.strain_j / total);
         let turn = world.body_pose(0).0 * glam::DVec3::X;
         let angle = turn.y.atan2(turn.x);
-        spun.turns += (angle - last + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+        spun.turns +=
+            (angle - last + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
         last = angle;
     });
     spun.turns /= std::f64::consts::TAU;

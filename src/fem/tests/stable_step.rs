@@ -7,21 +7,14 @@ use crate::mesh::signed_volume_m3;
 /// Largest eigenvalue of `M^-1 K` by power iteration on the body-frame forces, which are linear: a value never above the
 /// true one.
 fn power_iteration(body: &ElementBatches, mesh: &TetMesh, masses_kg: &[f64]) -> f64 {
-    let kinematics = ElementKinematics::BodyFrame {
-        rotation: DMat3::IDENTITY,
-    };
+    let kinematics = ElementKinematics::BodyFrame { rotation: DMat3::IDENTITY };
     let mut random = Random(3);
     let mut mode: Vec<DVec3> = mesh.nodes_m.iter().map(|_| random.vector()).collect();
     let mut eigenvalue = 0.0;
     for _ in 0..3000 {
         let size = 1e-3 / mode.iter().map(|d| d.length_squared()).sum::<f64>().sqrt();
         mode.iter_mut().for_each(|d| *d *= size);
-        let x: Vec<DVec3> = mesh
-            .nodes_m
-            .iter()
-            .zip(&mode)
-            .map(|(x, d)| *x + *d)
-            .collect();
+        let x: Vec<DVec3> = mesh.nodes_m.iter().zip(&mode).map(|(x, d)| *x + *d).collect();
         let (forces_n, _) = forces(body, &x, kinematics);
         let (mut stiffness, mut mass) = (0.0, 0.0);
         for node in 0..x.len() {
@@ -41,11 +34,7 @@ fn stable_step_is_a_tight_bound_of_the_assembled_body() {
         let body = batches(&mesh, &two_materials(mesh.tets.len()));
         let masses_kg = body.lumped_masses_kg(None);
         let exact_s = 2.0 / power_iteration(&body, &mesh, &masses_kg).sqrt();
-        let by_elements_s = body
-            .element_stable_steps_s()
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
+        let by_elements_s = body.element_stable_steps_s().iter().copied().fold(f64::INFINITY, f64::min);
         let assembled_s = body.stable_step_s(&masses_kg);
         println!(
             "jitter {jitter}: elements {:.3}, assembled {:.3} of exact",
@@ -60,27 +49,18 @@ fn stable_step_is_a_tight_bound_of_the_assembled_body() {
 
 #[test]
 fn step_of_one_element_is_exact_and_the_altitude_estimate_is_not_safe() {
-    let auxetic = ElasticConstants {
-        lambda_pa: -0.6 * STEEL.mu_pa,
-        ..STEEL
-    };
+    let auxetic = ElasticConstants { lambda_pa: -0.6 * STEEL.mu_pa, ..STEEL };
     for constants in [STEEL, RUBBER, auxetic] {
         let mut random = Random(11);
         for _ in 0..5 {
             let far = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis + 0.4 * random.vector());
-            let mesh = TetMesh::with_one_region(
-                vec![DVec3::ZERO, far[0], far[1], far[2]],
-                vec![[0, 1, 2, 3]],
-            );
+            let mesh =
+                TetMesh::with_one_region(vec![DVec3::ZERO, far[0], far[1], far[2]], vec![[0, 1, 2, 3]]);
             let body = batches(&mesh, &[constants]);
             let masses_kg = body.lumped_masses_kg(None);
             let exact_s = 2.0 / power_iteration(&body, &mesh, &masses_kg).sqrt();
             let step_s = body.element_stable_steps_s()[0];
-            assert!(
-                (step_s / exact_s - 1.0).abs() < 1e-6,
-                "{}",
-                step_s / exact_s
-            );
+            assert!((step_s / exact_s - 1.0).abs() < 1e-6, "{}", step_s / exact_s);
             assert!((body.stable_step_s(&masses_kg) / step_s - 1.0).abs() < 1e-12);
             assert!(body.element_altitude_steps_s()[0] > step_s);
         }
@@ -88,12 +68,7 @@ fn step_of_one_element_is_exact_and_the_altitude_estimate_is_not_safe() {
 }
 
 /// Sum of the displacements after 400 leapfrog steps from a small shake.
-fn leapfrog(
-    body: &ElementBatches,
-    mesh: &TetMesh,
-    kinematics: ElementKinematics,
-    step_s: f64,
-) -> f64 {
+fn leapfrog(body: &ElementBatches, mesh: &TetMesh, kinematics: ElementKinematics, step_s: f64) -> f64 {
     let masses_kg = body.lumped_masses_kg(None);
     let mut x = shaken(mesh, 1e-6, kinematics);
     let start = x.clone();
@@ -136,35 +111,24 @@ fn deformed_green_elements_stay_within_the_step_factor() {
         let body = batches(&mesh, &[constants]);
         let mass_kg = body.lumped_masses_kg(None)[0];
         for _ in 0..20 {
-            let x: Vec<DVec3> = mesh
-                .nodes_m
-                .iter()
-                .map(|x| *x * 1.2 + 0.2 * random.vector())
-                .collect();
+            let x: Vec<DVec3> = mesh.nodes_m.iter().map(|x| *x * 1.2 + 0.2 * random.vector()).collect();
             let (_, state) = forces(&body, &x, ElementKinematics::Green);
             let mut mode: Vec<DVec3> = (0..4).map(|_| random.vector()).collect();
             let mut eigenvalue = 0.0;
             for _ in 0..300 {
                 let size = 1e-6 / largest(&mode);
                 let moved = |sign: f64| -> Vec<DVec3> {
-                    x.iter()
-                        .zip(&mode)
-                        .map(|(x, d)| *x + *d * (sign * size))
-                        .collect()
+                    x.iter().zip(&mode).map(|(x, d)| *x + *d * (sign * size)).collect()
                 };
                 let ahead = forces(&body, &moved(1.0), ElementKinematics::Green).0;
                 let behind = forces(&body, &moved(-1.0), ElementKinematics::Green).0;
-                let next: Vec<DVec3> = ahead
-                    .iter()
-                    .zip(&behind)
-                    .map(|(a, b)| (*b - *a) / (2.0 * size * mass_kg))
-                    .collect();
+                let next: Vec<DVec3> =
+                    ahead.iter().zip(&behind).map(|(a, b)| (*b - *a) / (2.0 * size * mass_kg)).collect();
                 let along: f64 = mode.iter().zip(&next).map(|(d, k)| d.dot(*k)).sum();
                 eigenvalue = along / mode.iter().map(|d| d.length_squared()).sum::<f64>();
                 mode = next;
             }
-            let allowed_s =
-                body.element_stable_steps_s()[0] * body.green_step_factor(state.max_strain);
+            let allowed_s = body.element_stable_steps_s()[0] * body.green_step_factor(state.max_strain);
             assert!(
                 allowed_s <= 2.0 / f64::sqrt(eigenvalue.max(1e-300)) * (1.0 + 1e-6),
                 "{}",
@@ -233,20 +197,11 @@ fn mass_scaling_raises_the_step_of_the_assembled_body() {
     assert!((added_kg / (0.05 * total(&masses_kg)) - 1.0).abs() < 1e-9);
     assert!((scaled.added_mass_kg / added_kg - 1.0).abs() < 1e-9);
     assert!(scaled.heavier_elements > 0);
-    assert!(
-        masses_kg
-            .iter()
-            .zip(&scaled.node_masses_kg)
-            .all(|(before, after)| before <= after)
-    );
+    assert!(masses_kg.iter().zip(&scaled.node_masses_kg).all(|(before, after)| before <= after));
     let unscaled = body.scale_node_masses(&masses_kg, 0.0);
     assert_eq!(unscaled.node_masses_kg, masses_kg);
     // Element by element, with own masses only.
-    let scaling = scale_masses(
-        body.element_stable_steps_s(),
-        body.element_masses_kg(),
-        0.05,
-    );
+    let scaling = scale_masses(body.element_stable_steps_s(), body.element_masses_kg(), 0.05);
     let lumped_kg = body.lumped_masses_kg(Some(&scaling.factors));
     let exact_s = 2.0 / power_iteration(&body, &mesh, &lumped_kg).sqrt();
     assert!(scaling.step_s <= exact_s * (1.0 + 1e-9));
