@@ -48,8 +48,8 @@ impl OutputKind {
 pub enum PictureSink {
     /// One picture.
     Png(PathBuf),
-    /// An animation under way.
-    Gif(GifWriter),
+    /// An animation.
+    Gif(GifFile),
     /// Numbered pictures.
     Folder {
         /// The folder.
@@ -59,37 +59,68 @@ pub enum PictureSink {
     },
 }
 
+/// A GIF that is begun with its first pictures.
+pub struct GifFile {
+    path: PathBuf,
+    size_px: [u32; 2],
+    fps: f64,
+    writer: Option<GifWriter>,
+}
+
 impl PictureSink {
     /// Makes the place ready: missing folders are created, pictures of an earlier run removed.
+    /// A file that is there stays until the first picture replaces it.
     ///
     /// # Errors
     /// [`Failure::BadInput`] when the place cannot be used.
     pub fn create(path: &Path, shot: &Shot, force: bool, console: &Console) -> Result<Self, Failure> {
-        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-        parent.map_or(Ok(()), create_folder).map_err(|error| Failure::from(error).before_the_run())?;
-        match OutputKind::of(path)? {
-            OutputKind::Png => {
-                check_writable(path)?;
-                Ok(Self::Png(path.to_owned()))
-            }
-            OutputKind::Gif => GifWriter::create(path, shot.size_px, shot.fps)
-                .map(Self::Gif)
-                .map_err(|error| Failure::from(error).before_the_run()),
-            OutputKind::Folder => {
-                prepare_folder(path, force, console)?;
-                Ok(Self::Folder { folder: path.to_owned(), next: 0 })
-            }
+        let kind = OutputKind::of(path)?;
+        if kind == OutputKind::Folder {
+            prepare_folder(path, force, console)?;
+            return Ok(Self::Folder { folder: path.to_owned(), next: 0 });
         }
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        parent
+            .map_or(Ok(()), create_folder)
+            .map_err(|error| Failure::from(error).before_the_run())?;
+        check_writable(path)?;
+        let path = path.to_owned();
+        Ok(match kind {
+            OutputKind::Gif => {
+                Self::Gif(GifFile { path, size_px: shot.size_px, fps: shot.fps, writer: None })
+            }
+            _ => Self::Png(path),
+        })
     }
 
-    /// Writes the next picture.
+    /// Begins the output. A GIF asks for some pictures from all over the animation, from which it
+    /// learns its colours.
+    ///
+    /// # Errors
+    /// [`Failure::Run`] when the file cannot be created, and whatever `samples` returns.
+    pub fn begin(
+        &mut self,
+        samples: impl FnOnce() -> Result<Vec<Picture>, Failure>,
+    ) -> Result<(), Failure> {
+        if let Self::Gif(GifFile { path, size_px, fps, writer }) = self {
+            let samples = samples()?;
+            let samples: Vec<&Picture> = samples.iter().collect();
+            *writer = Some(GifWriter::create(path, *size_px, *fps, &samples)?);
+        }
+        Ok(())
+    }
+
+    /// Writes the next picture; [`PictureSink::begin`] comes first.
     ///
     /// # Errors
     /// [`Failure::Run`] when it cannot be written.
     pub fn add(&mut self, picture: &Picture) -> Result<(), Failure> {
         match self {
             Self::Png(path) => write_png(path, picture)?,
-            Self::Gif(writer) => writer.add(picture)?,
+            Self::Gif(GifFile { writer, .. }) => {
+                let writer = writer.as_mut().expect("`begin` comes before `add`");
+                writer.push(picture)?;
+            }
             Self::Folder { folder, next } => {
                 write_png(&folder.join(format!("{PREFIX}{next:05}{SUFFIX}")), picture)?;
                 *next += 1;
@@ -104,8 +135,8 @@ impl PictureSink {
     /// [`Failure::Run`] when closing fails.
     pub fn finish(self) -> Result<(), Failure> {
         match self {
-            Self::Gif(writer) => Ok(writer.finish()?),
-            Self::Png(_) | Self::Folder { .. } => Ok(()),
+            Self::Gif(GifFile { writer: Some(writer), .. }) => Ok(writer.finish()?),
+            _ => Ok(()),
         }
     }
 }

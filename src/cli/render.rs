@@ -120,8 +120,12 @@ fn draw(
     // A wish to stop during the simulation still gets the frames that were simulated; only one
     // during drawing stops that.
     let stopped_before = interrupt::requested();
+    if frames.is_empty() {
+        return Ok(0);
+    }
     let mut progress = console.progress(frames.len() as f64);
     let setting = shot.setting(frames);
+    sink.begin(|| samples(frames).map(|frame| studio.draw(frame, &setting)).collect())?;
     let mut finished = 0;
     for frame in frames {
         if interrupt::requested() && !stopped_before {
@@ -133,6 +137,12 @@ fn draw(
     }
     sink.finish()?;
     Ok(finished)
+}
+
+/// Some frames from all over the animation.
+fn samples(frames: &[Frame]) -> impl Iterator<Item = &Frame> {
+    const SAMPLES: usize = 5;
+    frames.iter().step_by(frames.len().div_ceil(SAMPLES))
 }
 
 /// What the closing message tells.

@@ -14,6 +14,9 @@ use glam::Vec3;
 /// More pictures than this are surely a slip of the slow motion or the rate.
 const MOST_FRAMES: f64 = 10_000.0;
 
+/// Players slow down what is faster.
+const MOST_GIF_FPS: f64 = 50.0;
+
 /// Which pictures to take, and how.
 pub struct Shot {
     moments: Moments,
@@ -73,6 +76,12 @@ impl Shot {
         let recording = &scene.recording;
         let slow_motion = args.slow_motion.unwrap_or(recording.slow_motion);
         let fps = args.fps.unwrap_or(recording.fps);
+        if kind == OutputKind::Gif && fps > MOST_GIF_FPS {
+            return Err(Failure::BadInput(format!(
+                "GIF players show at most {MOST_GIF_FPS} pictures a second, not {fps}; give --fps, or \
+                 write a folder of PNGs"
+            )));
+        }
         let end_s = args.duration.unwrap_or(scene.duration_s);
         let moments = match kind {
             OutputKind::Png => Moments::One { at_s: args.at.unwrap_or(end_s) },
