@@ -47,17 +47,10 @@ fn assert_problems(text: &str, overrides: &[&str], expected: &[&str]) {
     let found = problems(text, overrides);
     let matches = |found: &str, expected: &str| {
         let mut parts = expected.split("...");
-        found.starts_with(parts.next().unwrap_or_default())
-            && parts.all(|part| found.contains(part))
+        found.starts_with(parts.next().unwrap_or_default()) && parts.all(|part| found.contains(part))
     };
-    let missing: Vec<_> = expected
-        .iter()
-        .filter(|e| !found.iter().any(|f| matches(f, e)))
-        .collect();
-    let extra: Vec<_> = found
-        .iter()
-        .filter(|f| !expected.iter().any(|e| matches(f, e)))
-        .collect();
+    let missing: Vec<_> = expected.iter().filter(|e| !found.iter().any(|f| matches(f, e))).collect();
+    let extra: Vec<_> = found.iter().filter(|f| !expected.iter().any(|e| matches(f, e))).collect();
     assert!(
         missing.is_empty() && found.len() == expected.len(),
         "missing {missing:#?}\nextra {extra:#?}\nof {found:#?}"
@@ -67,46 +60,28 @@ fn assert_problems(text: &str, overrides: &[&str], expected: &[&str]) {
 #[test]
 fn every_shipped_scene_builds() {
     for builtin in BUILTIN_SCENES {
-        let scene =
-            Scene::load(builtin.name, &[]).unwrap_or_else(|e| panic!("{}: {e}", builtin.name));
+        let scene = Scene::load(builtin.name, &[]).unwrap_or_else(|e| panic!("{}: {e}", builtin.name));
         let moving = |motion: &BodyMotion| matches!(motion, BodyMotion::Deformable(_));
         assert!(scene.setup.bodies.iter().any(|body| moving(&body.motion)));
         assert!(scene.summary.step_s() > 0.0 && scene.summary.step_s().is_finite());
         assert!(scene.description.recording.start_s < scene.description.duration_s);
         let picture_s = scene.description.duration_s - scene.description.recording.start_s;
         let shown_s = picture_s * scene.description.recording.slow_motion;
-        assert!(
-            (2.0..=6.0).contains(&shown_s),
-            "{}: a GIF of {shown_s} s",
-            builtin.name
-        );
+        assert!((2.0..=6.0).contains(&shown_s), "{}: a GIF of {shown_s} s", builtin.name);
     }
 }
 
 #[test]
 fn fine_scenes_differ_in_resolution_only() {
     for builtin in BUILTIN_SCENES {
-        let Some(fine) = BUILTIN_SCENES
-            .iter()
-            .find(|s| s.name == format!("{}-fine", builtin.name))
-        else {
+        let Some(fine) = BUILTIN_SCENES.iter().find(|s| s.name == format!("{}-fine", builtin.name)) else {
             continue;
         };
         let [coarse, fine] = [builtin.name, fine.name].map(|name| Scene::load(name, &[]).unwrap());
-        assert!(
-            fine.summary.elements() > 3 * coarse.summary.elements(),
-            "{}",
-            fine.name
-        );
+        assert!(fine.summary.elements() > 3 * coarse.summary.elements(), "{}", fine.name);
         for (a, b) in coarse.setup.bodies.iter().zip(&fine.setup.bodies) {
-            assert_eq!(
-                (&a.name, &a.materials, &a.motion),
-                (&b.name, &b.materials, &b.motion)
-            );
-            assert_eq!(
-                (a.velocity_m_s, a.spin_rad_s),
-                (b.velocity_m_s, b.spin_rad_s)
-            );
+            assert_eq!((&a.name, &a.materials, &a.motion), (&b.name, &b.materials, &b.motion));
+            assert_eq!((a.velocity_m_s, a.spin_rad_s), (b.velocity_m_s, b.spin_rad_s));
         }
         assert_eq!(coarse.setup.contact, fine.setup.contact);
         assert_eq!(coarse.setup.time, fine.setup.time);
@@ -118,9 +93,7 @@ fn fine_scenes_differ_in_resolution_only() {
 #[test]
 fn rods_collision_has_the_published_numbers() {
     let scene = Scene::load("rods-collision", &[]).unwrap();
-    let [left, right] = &scene.setup.bodies[..] else {
-        panic!("two rods")
-    };
+    let [left, right] = &scene.setup.bodies[..] else { panic!("two rods") };
     let (left_low, left_high) = left.mesh.bounds_m().unwrap();
     let (right_low, right_high) = right.mesh.bounds_m().unwrap();
     assert!((right_low.x - left_high.x - 2.54e-5).abs() < 1e-15);
@@ -131,10 +104,7 @@ fn rods_collision_has_the_published_numbers() {
     assert!(close(right_high - right_low, [0.254, 0.0254, 0.0224]));
     let centre = left_low + left_high + right_low + right_high;
     assert!(centre.abs().max_element() < 1e-15, "one axis, symmetric");
-    assert_eq!(
-        (left.velocity_m_s.x, right.velocity_m_s.x),
-        (5.1359, -5.1359)
-    );
+    assert_eq!((left.velocity_m_s.x, right.velocity_m_s.x), (5.1359, -5.1359));
     let material = &left.materials[0];
     assert_eq!(material.density_kg_m3, 7844.0);
     assert_eq!(material.youngs_modulus_pa, 206.82e9);
@@ -143,11 +113,7 @@ fn rods_collision_has_the_published_numbers() {
     assert_eq!(scene.setup.contact.friction_coefficient, 0.0);
     assert!(scene.setup.time.free_travel);
     let layers = |mesh: &hammerfall::mesh::TetMesh| {
-        let mut x: Vec<i64> = mesh
-            .nodes_m
-            .iter()
-            .map(|n| (n.x * 1e9).round() as i64)
-            .collect();
+        let mut x: Vec<i64> = mesh.nodes_m.iter().map(|n| (n.x * 1e9).round() as i64).collect();
         x.sort_unstable();
         x.dedup();
         x.len() - 1
@@ -160,9 +126,7 @@ fn rods_collision_has_the_published_numbers() {
 #[test]
 fn bodies_on_others_touch_and_do_not_overlap() {
     let scene = Scene::load("incline", &["bodies.ramp.rotation.degrees=37.3".to_owned()]).unwrap();
-    let [ramp, block] = &scene.setup.bodies[..] else {
-        panic!("a ramp and a block")
-    };
+    let [ramp, block] = &scene.setup.bodies[..] else { panic!("a ramp and a block") };
     assert_eq!(overlap(&ramp.mesh, &block.mesh), None);
     let mut pushed = block.mesh.clone();
     for node in &mut pushed.nodes_m {
@@ -170,6 +134,57 @@ fn bodies_on_others_touch_and_do_not_overlap() {
     }
     let found = overlap(&ramp.mesh, &pushed).expect("a tenth of a millimetre is an overlap");
     assert!((found.depth_m - 1e-4 * 37.3f64.to_radians().cos()).abs() < 1e-7);
+}
+
+/// Sides by letters are the shape's own, `top` and `bottom` the world's.
+#[test]
+fn sides_and_regions_choose_the_right_nodes() {
+    let text = r#"title = "t"
+[[bodies]]
+name = "rod"
+shape = { type = "rod", length = 1, width = 0.1, height = 0.1, cells = [10, 1, 1] }
+material = "rubber"
+rotation = { axis = [0, 1, 0], degrees = -90 }
+boundary = [
+    { at = "x-max", fixed = true },
+    { at = "bottom", fixed = true, axes = "z" },
+    { at = { side = "left", depth = 0.25 }, force = [0, 0, 1] },
+]
+[[bodies]]
+name = "hammer"
+shape = { type = "hammer" }
+material = { handle = "wood", head = "steel" }
+position = [3, 0, 0]
+[time]
+duration = 1
+"#;
+    let scene = build(text, &[]).unwrap();
+    let rod = &scene.setup.bodies[0];
+    let heights = |boundary: usize| {
+        let nodes = rod.boundary[boundary].nodes.iter();
+        nodes
+            .map(|&node| (rod.mesh.nodes_m[node as usize].z * 10.0).round() as i64)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(heights(0), [5; 4], "the end at +x was turned up");
+    assert_eq!(heights(1), [-5; 4]);
+    let mut layer = heights(2);
+    layer.sort_unstable();
+    layer.dedup();
+    assert_eq!(layer, [-5, -4, -3]);
+    let axes = [false, false, true];
+    assert_eq!(rod.boundary[1].action, BoundaryAction::Fixed { axes });
+
+    let hammer = &scene.setup.bodies[1];
+    for (element, &region) in hammer.mesh.regions.iter().enumerate() {
+        let material = &hammer.materials[hammer.element_material[element] as usize].name;
+        let expected = if hammer.mesh.region_names[region as usize] == "head" {
+            "steel"
+        } else {
+            "wood"
+        };
+        assert_eq!(material, expected);
+    }
 }
 
 #[test]
@@ -294,11 +309,7 @@ fn problems_of_shapes_and_places_have_their_line() {
             r#"material = { head = "steel" }"#,
             &["8: region `handle` of the body has no material"],
         ),
-        (
-            r#"mesh = { file = "nowhere.msh" }"#,
-            r#"material = "rubber""#,
-            &["7: ...nowhere.msh"],
-        ),
+        (r#"mesh = { file = "nowhere.msh" }"#, r#"material = "rubber""#, &["7: ...nowhere.msh"]),
         (
             r#"shape = { type = "ball" }"#,
             "material = \"rubber\"\nposition = [40, 0]",
@@ -307,10 +318,7 @@ fn problems_of_shapes_and_places_have_their_line() {
     ];
     for (shape, material, expected) in cases {
         let text = CUBE
-            .replace(
-                r#"shape = { type = "box", size = [1, 1, 1], cells = 2 }"#,
-                shape,
-            )
+            .replace(r#"shape = { type = "box", size = [1, 1, 1], cells = 2 }"#, shape)
             .replace(r#"material = "rubber""#, material);
         assert_problems(&text, &[], expected);
     }
@@ -370,10 +378,7 @@ copies = {{ count = 2, offset = [0.5, 0, 0] }}
             "18: `ball-1` and `ball-2` overlap at the start",
         ],
     );
-    let apart = [
-        "bodies.ball.position[2]=1.31",
-        "bodies.ball.copies.offset=[0.7,0,0]",
-    ];
+    let apart = ["bodies.ball.position[2]=1.31", "bodies.ball.copies.offset=[0.7,0,0]"];
     assert_problems(&text, &apart, &[]);
 }
 
@@ -395,18 +400,11 @@ fn overrides_reach_values_by_name_and_by_number() {
     let cube = &scene.setup.bodies[1];
     assert_eq!(cube.velocity_m_s, glam::DVec3::new(1.0, -2.0, 3.0));
     assert_eq!(cube.materials[0].youngs_modulus_pa, 30e6);
-    assert_eq!(
-        cube.materials[0].density_kg_m3, 1100.0,
-        "the rest is the library's"
-    );
+    assert_eq!(cube.materials[0].density_kg_m3, 1100.0, "the rest is the library's");
     let penalty = ContactMethod::Penalty { stiffness_n_m: 1e5 };
     assert_eq!(scene.setup.contact.method, penalty);
     assert_eq!(scene.description.duration_s, 0.25);
-    assert_eq!(
-        cube.mesh.tets.len(),
-        48,
-        "`element_size` took the place of `cells`"
-    );
+    assert_eq!(cube.mesh.tets.len(), 48, "`element_size` took the place of `cells`");
 }
 
 #[test]
@@ -454,27 +452,17 @@ fn saving_and_loading_gives_the_same_scene() {
     let overrides = overrides.map(str::to_owned);
     let scene = Scene::load(STACK, &overrides).unwrap();
     let text = scene.to_toml();
-    assert!(
-        text.contains("# kg/m3") || text.contains("# m"),
-        "comments are kept:\n{text}"
-    );
+    assert!(text.contains("# kg/m3") || text.contains("# m"), "comments are kept:\n{text}");
     let again = Scene::from_text(STACK, &text, Path::new("."), &[]).unwrap();
     assert_eq!(again.description, scene.description);
     assert_eq!(again.setup, scene.setup);
     assert_eq!(scene.setup.contact.pair_friction.len(), 9 + 4);
     let boundary = &scene.setup.bodies.last().unwrap().boundary[0];
     assert_eq!(boundary.nodes.len(), 9);
-    assert!(matches!(
-        boundary.action,
-        BoundaryAction::Force { ramp_s: 0.5, .. }
-    ));
+    assert!(matches!(boundary.action, BoundaryAction::Force { ramp_s: 0.5, .. }));
     for builtin in BUILTIN_SCENES {
         let scene = Scene::load(builtin.name, &[]).unwrap();
-        assert_eq!(
-            scene.to_toml(),
-            builtin.text,
-            "untouched text stays as it is"
-        );
+        assert_eq!(scene.to_toml(), builtin.text, "untouched text stays as it is");
     }
 }
 
@@ -534,10 +522,7 @@ fn mutated_scenes_never_panic() {
             }
         }
     }
-    assert!(
-        refused > 200,
-        "only {refused} refused: the mutations are too tame"
-    );
+    assert!(refused > 200, "only {refused} refused: the mutations are too tame");
 }
 
 /// Words, numbers, blanks and signs, which together are the text again.
@@ -564,10 +549,7 @@ struct SmallRandom(u64);
 
 impl SmallRandom {
     fn below(&mut self, limit: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         ((self.0 >> 33) as usize) % limit
     }
 }

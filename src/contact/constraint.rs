@@ -50,6 +50,8 @@ pub struct Constraint {
     pub size_m: f64,
     /// Coulomb friction coefficient.
     pub friction_coefficient: f64,
+    /// Whether a closing impact of this pair may be reversed; not where other pairs have done so.
+    pub may_bounce: bool,
     /// Relative normal velocity that must at least hold after the response, m/s (set by the response).
     pub target_m_s: f64,
     /// Impulse on the first body, N s (the response's result).
@@ -119,6 +121,14 @@ impl Geometry {
 }
 
 impl Constraint {
+    /// Whether an impulse pushes and lies in the friction cone.
+    #[must_use]
+    pub fn allows(&self, impulse_n_s: DVec3) -> bool {
+        let normal_part = impulse_n_s.dot(self.normal);
+        let tangential = impulse_n_s - self.normal * normal_part;
+        normal_part >= 0.0 && tangential.length() <= self.friction_coefficient * normal_part + 1e-300
+    }
+
     /// Weights with which the impulse acts so that it has no moment: the foot of the force on the
     /// second body is where the line of the force through the first body's contact point meets it.
     #[must_use]
@@ -150,6 +160,7 @@ mod tests {
             place_m: DVec3::ZERO,
             size_m: 1.0,
             friction_coefficient: 0.0,
+            may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: impulse,
         };

@@ -11,9 +11,9 @@ use glam::DVec3;
 /// Gap, as a share of the local element size, within which a pair takes part in the response even
 /// when the prediction does not close it: neighbours' impulses may.
 const NEAR: f64 = 1e-3;
-/// Penetration, as a share of the local element size, that a *new* pair may begin with: round-off and the
-/// tolerance to which the first touch is found.
-const NEW_PAIR_DEPTH: f64 = 2e-6;
+/// Penetration, as a share of the local element size, that a *new* pair may begin with: what a pair that was
+/// left out as redundant may have gathered.
+const NEW_PAIR_DEPTH: f64 = 4e-4;
 /// Penetration that a node already held by the same body may carry when it slides on to the next patch.
 const HELD_PAIR_DEPTH: f64 = 0.05;
 /// Sine of the angle by which an edge's contact normal may lie outside the fan of its face normals.
@@ -153,6 +153,7 @@ impl NodeSide<'_> {
             place_m: x,
             size_m,
             friction_coefficient: self.pair.friction_coefficient,
+            may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
         })
@@ -236,6 +237,7 @@ fn edge_constraint(
         place_m: p[0] * w[0] + p[1] * w[1],
         size_m,
         friction_coefficient: pair.friction_coefficient,
+        may_bounce: true,
         target_m_s: 0.0,
         impulse_n_s: DVec3::ZERO,
     })

@@ -8,7 +8,10 @@
 //!
 //! Impact energy: a plain constraint stops the contact nodes dead and loses their kinetic energy. Where two
 //! features close faster than the rest speed, the relative normal velocity is reversed instead, which
-//! keeps the energy of the impact (Cirak, West, IJNME 64, 2005). Below it nothing bounces.
+//! keeps the energy of the impact (Cirak, West, IJNME 64, 2005). What is reversed is the velocity at the start of
+//! the step, where positions and velocities belong to the same moment: reversing the half step's
+//! prediction, which holds half a kick of elastic force already, was seen to feed energy into the bodies.
+//! In sustained contact both come to the same as closing the gap. Below the rest speed nothing bounces.
 
 use super::constraint::Constraint;
 use glam::DVec3;
@@ -18,6 +21,9 @@ const MOST_PASSES: u32 = 400;
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
 const PENETRATION_LEFT: f64 = 1e-4;
 
+/// Compliance of redundant pairs over their block.
+const SOFTNESS: f64 = 0.25;
+
 /// A node that takes part in the response.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactNode {
@@ -25,12 +31,23 @@ pub struct ContactNode {
     pub body: u32,
     /// Node of the body.
     pub node: u32,
-    /// Velocity, m/s; corrected by the response.
+    /// Velocity of the half step, m/s; corrected by the response.
     pub velocity_m_s: DVec3,
+    /// Velocity at the start of the step, m/s.
+    pub start_velocity_m_s: DVec3,
     /// Inverse mass along x, y, z, 1/kg; zero where the motion is prescribed.
     pub inverse_mass_per_kg: DVec3,
     /// Sum of the contact impulses, N s.
     pub impulse_n_s: DVec3,
+}
+
+impl ContactNode {
+    /// A node before the response.
+    #[must_use]
+    pub fn new((body, node): (u32, u32), velocities_m_s: [DVec3; 2], inverse_mass_per_kg: DVec3) -> Self {
+        let [start_velocity_m_s, velocity_m_s] = velocities_m_s;
+        Self { body, node, velocity_m_s, start_velocity_m_s, inverse_mass_per_kg, impulse_n_s: DVec3::ZERO }
+    }
 }
 
 /// Parameters of the response.
@@ -67,13 +84,13 @@ pub struct NodeTable {
     /// Nodes, sorted by body and node.
     pub nodes: Vec<ContactNode>,
     rows: Vec<[usize; 4]>,
-    start_velocities_m_s: Vec<DVec3>,
+    predicted_m_s: Vec<DVec3>,
 }
 
 impl NodeTable {
-    /// Collects the nodes of the constraints; `state` gives velocity and inverse mass of (body, node).
+    /// Collects the nodes of the constraints; `state` gives the node of a (body, node).
     #[must_use]
-    pub fn new(constraints: &[Constraint], state: impl Fn(u32, u32) -> (DVec3, DVec3)) -> Self {
+    pub fn new(constraints: &[Constraint], state: impl Fn((u32, u32)) -> ContactNode) -> Self {
         let id = |c: &Constraint, k: usize| (c.bodies[c.nodes[k].0 as usize], c.nodes[k].1);
         let mut ids: Vec<(u32, u32)> =
             constraints.iter().flat_map(|c| (0..4).map(move |k| id(c, k))).collect();
@@ -83,19 +100,33 @@ impl NodeTable {
             .iter()
             .map(|c| std::array::from_fn(|k| ids.binary_search(&id(c, k)).unwrap_or_default()))
             .collect();
-        let nodes: Vec<ContactNode> = ids
-            .iter()
-            .map(|&(body, node)| {
-                let (velocity_m_s, inverse_mass_per_kg) = state(body, node);
-                ContactNode { body, node, velocity_m_s, inverse_mass_per_kg, impulse_n_s: DVec3::ZERO }
-            })
-            .collect();
-        let start_velocities_m_s = nodes.iter().map(|n| n.velocity_m_s).collect();
-        Self { nodes, rows, start_velocities_m_s }
+        let nodes: Vec<ContactNode> = ids.into_iter().map(state).collect();
+        let predicted_m_s = nodes.iter().map(|n| n.velocity_m_s).collect();
+        Self { nodes, rows, predicted_m_s }
     }
 
-    fn relative_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
+    /// Relative velocity of the half step of a constraint, m/s.
+    #[must_use]
+    pub fn relative_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
         self.rows[row].iter().zip(weights).map(|(i, w)| self.nodes[*i].velocity_m_s * *w).sum()
+    }
+
+    /// Relative velocity at the start of the step of a constraint, m/s.
+    fn relative_start_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
+        self.rows[row].iter().zip(weights).map(|(i, w)| self.nodes[*i].start_velocity_m_s * *w).sum()
+    }
+
+    /// Velocities before the response, in the order of `nodes`, m/s.
+    #[must_use]
+    pub fn predicted_m_s(&self) -> &[DVec3] {
+        &self.predicted_m_s
+    }
+
+    /// Velocity of a node before the response, m/s; `None` for a node that is not in the table.
+    #[must_use]
+    pub fn predicted_of(&self, id: (u32, u32)) -> Option<DVec3> {
+        let at = self.nodes.binary_search_by(|n| (n.body, n.node).cmp(&id)).ok()?;
+        Some(self.predicted_m_s[at])
     }
 
     fn apply(&mut self, row: usize, weights: &[f64; 4], impulse_n_s: DVec3) {
@@ -113,10 +144,13 @@ impl NodeTable {
     }
 
     /// Energy that the impulses took from the nodes and work that prescribed motion did, J.
+    ///
+    /// The impulse acts at the start of the step, on the velocity of that moment.
     fn balances(&self) -> (f64, f64) {
         let (mut dissipated_j, mut prescribed_j) = (0.0, 0.0);
-        for (node, start) in self.nodes.iter().zip(&self.start_velocities_m_s) {
-            let work = node.impulse_n_s * (*start + node.velocity_m_s) * 0.5;
+        for node in &self.nodes {
+            let change = node.inverse_mass_per_kg * node.impulse_n_s;
+            let work = node.impulse_n_s * (node.start_velocity_m_s + change * 0.5);
             dissipated_j -= work.element_sum();
             let is_prescribed = node.inverse_mass_per_kg.cmpeq(DVec3::ZERO);
             prescribed_j -= DVec3::select(is_prescribed, work, DVec3::ZERO).element_sum();
@@ -143,16 +177,22 @@ pub fn sort_by_place(constraints: &mut [Constraint]) {
 }
 
 /// Solves the constraints: sets their impulses and corrects the velocities in the table.
+///
+/// A pass goes forth and back over the pairs. Passes are conjugate to each other (Silcowitz, Niebe, Erleben,
+/// VRIPHYS 2009; Zywicz and Puso accelerate in the same way), and start from impulses that would be exact
+/// if all pairs needed the same.
 pub fn solve(
     constraints: &mut [Constraint],
     table: &mut NodeTable,
     p: &ResponseParameters,
 ) -> ResponseReport {
     let rows: Vec<PairRow> =
-        constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table, p)).collect();
+        constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
     let mut report = ResponseReport::default();
+    let mut memory = Conjugate::default();
+    start_evenly(&rows, constraints, table);
     while report.passes < MOST_PASSES {
-        report.last_change = one_pass(&rows, constraints, table, report.passes % 2 == 1);
+        report.last_change = one_pass(&rows, constraints, table, &mut memory);
         report.passes += 1;
         let is_settled = report.last_change < p.tolerance;
         let is_time = is_settled || report.passes >= p.passes;
@@ -167,25 +207,84 @@ pub fn solve(
     report
 }
 
+/// Applies first guesses of the normal impulses: each pair's shortfall over the sum of its row, as if its
+/// neighbours fell short as much.
+fn start_evenly(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
+    let shortfall = |row: &PairRow, constraints: &[Constraint], table: &NodeTable| {
+        let c = &constraints[row.index];
+        c.target_m_s - table.relative_velocity(row.index, &c.weights).dot(c.normal)
+    };
+    let short: Vec<f64> = rows.iter().map(|r| shortfall(r, constraints, table).max(0.0)).collect();
+    let saved: Vec<ContactNode> = table.nodes.clone();
+    for (row, _) in rows.iter().zip(&short).filter(|(_, s)| **s > 0.0) {
+        let c = &constraints[row.index];
+        table.apply(row.index, &c.weights, c.normal);
+    }
+    let row_sums: Vec<f64> =
+        rows.iter().zip(&short).map(|(row, short)| short - shortfall(row, constraints, table)).collect();
+    table.nodes = saved;
+    for ((row, short), sum) in rows.iter().zip(&short).zip(row_sums) {
+        let c = &mut constraints[row.index];
+        // Rows whose neighbours work against them are left to the passes.
+        c.impulse_n_s = c.normal * (short / sum.max(row.normal_block_per_kg));
+        table.apply(row.index, &c.weights, c.impulse_n_s);
+    }
+}
+
+/// What one pass leaves for the next.
+#[derive(Default)]
+struct Conjugate {
+    direction: Vec<DVec3>,
+    last_norm2: f64,
+}
+
 /// One pass over the pairs; returns the largest change over the largest multiplier.
 fn one_pass(
     rows: &[PairRow],
     constraints: &mut [Constraint],
     table: &mut NodeTable,
-    is_backward: bool,
+    memory: &mut Conjugate,
 ) -> f64 {
-    let (mut change, mut largest) = (0.0_f64, 0.0_f64);
-    let mut visit = |row: &PairRow| {
-        let constraint = &mut constraints[row.index];
-        change = change.max(row.relax(constraint, table));
-        largest = largest.max(constraint.impulse_n_s.length_squared());
-    };
-    if is_backward {
-        rows.iter().rev().for_each(&mut visit);
-    } else {
-        rows.iter().for_each(&mut visit);
+    let before: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
+    for row in rows.iter().chain(rows.iter().rev()) {
+        row.relax(&mut constraints[row.index], table);
     }
-    if largest > 0.0 { change / largest.sqrt() } else { 0.0 }
+    let change: Vec<DVec3> =
+        rows.iter().zip(&before).map(|(r, old)| constraints[r.index].impulse_n_s - *old).collect();
+    memory.accelerate(rows, constraints, table, &change);
+    let largest = |it: &mut dyn Iterator<Item = DVec3>| it.map(|x| x.length()).fold(0.0, f64::max);
+    let largest_change = largest(&mut change.iter().copied());
+    let largest_impulse = largest(&mut rows.iter().map(|r| constraints[r.index].impulse_n_s));
+    if largest_impulse > 0.0 { largest_change / largest_impulse } else { 0.0 }
+}
+
+impl Conjugate {
+    /// Goes on along the last direction as far as a conjugate gradient method would; a pair whose impulse would
+    /// pull or leave the friction cone stays, and the next pass sets right what is left.
+    fn accelerate(
+        &mut self,
+        rows: &[PairRow],
+        constraints: &mut [Constraint],
+        table: &mut NodeTable,
+        change: &[DVec3],
+    ) {
+        let norm2: f64 = change.iter().map(|d| d.length_squared()).sum();
+        let beta = if self.last_norm2 > 0.0 { norm2 / self.last_norm2 } else { 0.0 };
+        self.last_norm2 = norm2;
+        if self.direction.is_empty() || beta >= 1.0 {
+            self.direction = change.to_vec();
+            return;
+        }
+        for ((row, direction), change) in rows.iter().zip(&mut self.direction).zip(change) {
+            let c = &mut constraints[row.index];
+            let further = *direction * beta;
+            if further != DVec3::ZERO && c.allows(c.impulse_n_s + further) {
+                c.impulse_n_s += further;
+                table.apply(row.index, &c.weights, further);
+            }
+            *direction = further + *change;
+        }
+    }
 }
 
 fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, step_s: f64) -> bool {
@@ -202,16 +301,14 @@ struct PairRow {
     index: usize,
     normal_block_per_kg: f64,
     tangent_block_per_kg: f64,
+    /// Compliance of pairs that say nearly the same as others: with it the passes share the load between
+    /// them at once instead of passing it to and fro, 1/kg.
+    softness_per_kg: f64,
 }
 
 impl PairRow {
-    /// Sets the pair's target; `None` when neither side can move.
-    fn new(
-        index: usize,
-        constraint: &Constraint,
-        table: &NodeTable,
-        _p: &ResponseParameters,
-    ) -> Option<Self> {
+    /// `None` when neither side can move along the normal.
+    fn new(index: usize, constraint: &Constraint, table: &NodeTable) -> Option<Self> {
         let block = table.block(index, &constraint.weights);
         let n = constraint.normal;
         let normal_block_per_kg = n.dot(block * n);
@@ -219,16 +316,18 @@ impl PairRow {
             index,
             normal_block_per_kg,
             tangent_block_per_kg: block.max_element(),
+            softness_per_kg: if constraint.may_bounce { 0.0 } else { SOFTNESS * normal_block_per_kg },
         })
     }
 
-    /// Solves the pair with all others held; returns the length of the change of its impulse, N s.
-    fn relax(&self, c: &mut Constraint, table: &mut NodeTable) -> f64 {
+    /// Solves the pair with all others held.
+    fn relax(&self, c: &mut Constraint, table: &mut NodeTable) {
         let velocity = table.relative_velocity(self.index, &c.weights);
         let old = c.impulse_n_s;
         let old_normal = old.dot(c.normal);
-        let shortfall = c.target_m_s - velocity.dot(c.normal);
-        let normal_part = (old_normal + shortfall / self.normal_block_per_kg).max(0.0);
+        let shortfall = c.target_m_s - velocity.dot(c.normal) - self.softness_per_kg * old_normal;
+        let block_per_kg = self.normal_block_per_kg + self.softness_per_kg;
+        let normal_part = (old_normal + shortfall / block_per_kg).max(0.0);
         let mut tangential = DVec3::ZERO;
         if c.friction_coefficient > 0.0 && normal_part > 0.0 {
             let slip = velocity - c.normal * velocity.dot(c.normal);
@@ -240,7 +339,6 @@ impl PairRow {
         if change != DVec3::ZERO {
             table.apply(self.index, &c.weights, change);
         }
-        change.length()
     }
 
     /// Moves the foot of the force so that the pair has no moment (see `constraint.rs`).
@@ -253,20 +351,27 @@ impl PairRow {
     }
 }
 
-/// Sets the relative normal velocity each pair must at least have after the response.
+/// Sets the relative normal velocity of the half step that each pair must at least have after the
+/// response.
 ///
 /// A pair that would penetrate and closes faster than the rest speed leaves as fast as it came; one that
 /// closes slowly comes to touch exactly; between once and twice the rest speed the two are blended.
 pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &ResponseParameters) {
     for (row, c) in constraints.iter_mut().enumerate() {
-        let closing_m_s = -table.relative_velocity(row, &c.weights).dot(c.normal);
+        let predicted_m_s = table.relative_velocity(row, &c.weights).dot(c.normal);
+        let closing_m_s = -table.relative_start_velocity(row, &c.weights).dot(c.normal);
         let mut touch_m_s = -c.gap_m / p.step_s;
         if touch_m_s > 0.0 {
+            // A penetration left over is pushed out gently: at once would throw the nodes apart.
             touch_m_s = touch_m_s.min(p.rest_speed_m_s + 0.1 * closing_m_s.abs() + f64::MIN_POSITIVE);
         }
-        let is_impact = closing_m_s * p.step_s > c.gap_m && p.conserve_impact_energy;
-        let bounce = if is_impact { bounce_share(closing_m_s, p.rest_speed_m_s) } else { 0.0 };
-        c.target_m_s = bounce * closing_m_s + (1.0 - bounce) * touch_m_s;
+        c.target_m_s = touch_m_s;
+        let would_penetrate = predicted_m_s * p.step_s + c.gap_m < 0.0;
+        if would_penetrate && closing_m_s > 0.0 && p.conserve_impact_energy && c.may_bounce {
+            let bounce = bounce_share(closing_m_s, p.rest_speed_m_s);
+            let reversed_m_s = predicted_m_s + 2.0 * closing_m_s;
+            c.target_m_s = touch_m_s.max(bounce * reversed_m_s + (1.0 - bounce) * touch_m_s);
+        }
     }
 }
 
@@ -346,6 +451,7 @@ mod tests {
             place_m: node,
             size_m: 1.0,
             friction_coefficient: friction,
+            may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
         }]
@@ -357,9 +463,9 @@ mod tests {
         patch_inverse_mass: f64,
         conserve: bool,
     ) -> (NodeTable, ResponseReport) {
-        let mut table = NodeTable::new(c, |body, _| match body {
-            0 => (velocity, DVec3::splat(0.5)),
-            _ => (DVec3::ZERO, DVec3::splat(patch_inverse_mass)),
+        let mut table = NodeTable::new(c, |id| match id.0 {
+            0 => ContactNode::new(id, [velocity; 2], DVec3::splat(0.5)),
+            _ => ContactNode::new(id, [DVec3::ZERO; 2], DVec3::splat(patch_inverse_mass)),
         });
         set_targets(c, &table, &parameters(conserve));
         let report = solve(c, &mut table, &parameters(conserve));

@@ -5,6 +5,7 @@
 
 pub mod csv;
 pub mod gif;
+mod palette;
 pub mod png;
 pub mod summary;
 pub mod vtu;

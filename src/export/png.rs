@@ -43,12 +43,8 @@ fn reason_of(error: &io::Error) -> String {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             "the disk is full; free some space or choose another place".into()
         }
-        io::ErrorKind::PermissionDenied => {
-            "permission denied; choose a place you may write to".into()
-        }
-        io::ErrorKind::ReadOnlyFilesystem => {
-            "the file system is read-only; choose another place".into()
-        }
+        io::ErrorKind::PermissionDenied => "permission denied; choose a place you may write to".into(),
+        io::ErrorKind::ReadOnlyFilesystem => "the file system is read-only; choose another place".into(),
         io::ErrorKind::IsADirectory => "there is a folder of that name".into(),
         _ => error.to_string(),
     }
@@ -58,15 +54,9 @@ fn reason_of(error: &io::Error) -> String {
 pub(super) fn write_error(file: &Path, source: io::Error) -> PictureError {
     let folder = folder_of(file);
     if source.kind() == io::ErrorKind::NotFound && !folder.is_dir() {
-        return PictureError::NoFolder {
-            file: file.to_owned(),
-            folder: folder.to_owned(),
-        };
+        return PictureError::NoFolder { file: file.to_owned(), folder: folder.to_owned() };
     }
-    PictureError::Write {
-        file: file.to_owned(),
-        source,
-    }
+    PictureError::Write { file: file.to_owned(), source }
 }
 
 fn folder_of(file: &Path) -> &Path {
@@ -87,13 +77,11 @@ pub fn write_png(path: &Path, picture: &Picture) -> Result<(), PictureError> {
         return Err(write_error(path, io::ErrorKind::IsADirectory.into()));
     }
     let unfinished = unfinished_name(path);
-    write_through(&unfinished, &bytes)
-        .and_then(|()| fs::rename(&unfinished, path))
-        .map_err(|source| {
-            // Nothing half-written stays; if it cannot be removed, the first error says more.
-            let _ = fs::remove_file(&unfinished);
-            write_error(path, source)
-        })
+    write_through(&unfinished, &bytes).and_then(|()| fs::rename(&unfinished, path)).map_err(|source| {
+        // Nothing half-written stays; if it cannot be removed, the first error says more.
+        let _ = fs::remove_file(&unfinished);
+        write_error(path, source)
+    })
 }
 
 /// The file's name with `.part` added, in the same folder so that renaming is atomic.
@@ -106,16 +94,11 @@ fn unfinished_name(path: &Path) -> PathBuf {
 fn write_through(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = BufWriter::new(fs::File::create(path)?);
     file.write_all(bytes)?;
-    file.into_inner()
-        .map_err(|error| error.into_error())?
-        .sync_all()
+    file.into_inner().map_err(|error| error.into_error())?.sync_all()
 }
 
 fn encode(path: &Path, picture: &Picture) -> Result<Vec<u8>, PictureError> {
-    let failed = |reason: String| PictureError::Encode {
-        file: path.to_owned(),
-        reason,
-    };
+    let failed = |reason: String| PictureError::Encode { file: path.to_owned(), reason };
     let pixels = picture.width as usize * picture.height as usize;
     if pixels == 0 || picture.rgba.len() != 4 * pixels {
         return Err(failed(format!(
@@ -125,11 +108,7 @@ fn encode(path: &Path, picture: &Picture) -> Result<Vec<u8>, PictureError> {
             picture.height
         )));
     }
-    let rgb: Vec<u8> = picture
-        .rgba
-        .chunks_exact(4)
-        .flat_map(|p| [p[0], p[1], p[2]])
-        .collect();
+    let rgb: Vec<u8> = picture.rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
         .write_image(&rgb, picture.width, picture.height, ExtendedColorType::Rgb8)

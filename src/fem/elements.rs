@@ -104,9 +104,8 @@ impl ElementBatches {
             .into_par_iter()
             .map(|layout| Chunk::new(layout, reference_nodes_m, tets, constants))
             .collect();
-        let masses_kg = (0..tets.len())
-            .map(|e| constants[e].density_kg_m3 * signed_volume_m3(&corners_m(e)))
-            .collect();
+        let masses_kg =
+            (0..tets.len()).map(|e| constants[e].density_kg_m3 * signed_volume_m3(&corners_m(e))).collect();
         let steps_s = (0..tets.len())
             .into_par_iter()
             .map(|e| element_step_s(&gradients_per_m(&corners_m(e)), &constants[e]))
@@ -162,25 +161,19 @@ impl Batch {
         tets: &[[u32; 4]],
         constants: &[ElasticConstants],
     ) -> Self {
-        let mut batch = Self {
-            shape: BatchShape::ZERO,
-            corners: [[0; BATCH]; 4],
-        };
+        let mut batch = Self { shape: BatchShape::ZERO, corners: [[0; BATCH]; 4] };
         for lane in 0..BATCH {
             let element = elements[lane.min(elements.len() - 1)] as usize;
             let tet = tets[element];
             for (corner, node) in tet.iter().enumerate() {
                 let local = chunk_nodes.binary_search(node);
-                batch.corners[corner][lane] =
-                    local.expect("a chunk lists every node of its elements") as u16;
+                batch.corners[corner][lane] = local.expect("a chunk lists every node of its elements") as u16;
             }
             let corners_m = tet.map(|node| nodes_m[node as usize]);
             let is_real = if lane < elements.len() { 1.0 } else { 0.0 };
             let volume_m3 = is_real * signed_volume_m3(&corners_m);
             let [_, gradients @ ..] = gradients_per_m(&corners_m);
-            batch
-                .shape
-                .set(lane, &gradients, volume_m3, &constants[element]);
+            batch.shape.set(lane, &gradients, volume_m3, &constants[element]);
         }
         batch
     }
@@ -196,25 +189,14 @@ pub(super) fn gradients_per_m(corners_m: &[DVec3; 4]) -> [DVec3; 4] {
     [-(g1 + g2 + g3), g1, g2, g3]
 }
 
-fn check(
-    nodes_m: &[DVec3],
-    tets: &[[u32; 4]],
-    constants: &[ElasticConstants],
-) -> Result<(), FemError> {
+fn check(nodes_m: &[DVec3], tets: &[[u32; 4]], constants: &[ElasticConstants]) -> Result<(), FemError> {
     if constants.len() != tets.len() {
-        return Err(FemError::ConstantsCount {
-            constants: constants.len(),
-            elements: tets.len(),
-        });
+        return Err(FemError::ConstantsCount { constants: constants.len(), elements: tets.len() });
     }
     for (element, tet) in tets.iter().enumerate() {
         let nodes = nodes_m.len();
         if let Some(&node) = tet.iter().find(|&&node| node as usize >= nodes) {
-            return Err(FemError::NoSuchNode {
-                element,
-                node,
-                nodes,
-            });
+            return Err(FemError::NoSuchNode { element, node, nodes });
         }
         let corners_m = tet.map(|node| nodes_m[node as usize]);
         let volume_m3 = signed_volume_m3(&corners_m);

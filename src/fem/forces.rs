@@ -61,21 +61,12 @@ impl ElementBatches {
         kinematics: ElementKinematics,
         forces_n: &mut [DVec3],
     ) -> ElasticState {
-        assert_eq!(
-            positions_m.len(),
-            self.node_count(),
-            "one position per node"
-        );
+        assert_eq!(positions_m.len(), self.node_count(), "one position per node");
         assert_eq!(forces_n.len(), self.node_count(), "one force per node");
         scratch.slots.resize(self.node_slots.len(), DVec3::ZERO);
         scratch.totals.resize(self.chunks.len(), (0.0, 0.0));
         let run = |chunk: &Chunk, slots: &mut [DVec3], totals: &mut (f64, f64)| {
-            *totals = self.arch.dispatch(ChunkForces {
-                chunk,
-                positions_m,
-                kinematics,
-                slots,
-            });
+            *totals = self.arch.dispatch(ChunkForces { chunk, positions_m, kinematics, slots });
         };
         let work = self.chunks.iter().zip(scratch.totals.iter_mut());
         let mut rest = scratch.slots.as_mut_slice();
@@ -86,25 +77,17 @@ impl ElementBatches {
         });
         if self.runs_parallel() {
             let pieces: Vec<_> = pieces.collect();
-            pieces
-                .into_par_iter()
-                .for_each(|(chunk, slots, totals)| run(chunk, slots, totals));
+            pieces.into_par_iter().for_each(|(chunk, slots, totals)| run(chunk, slots, totals));
         } else {
             pieces.for_each(|(chunk, slots, totals)| run(chunk, slots, totals));
         }
         self.sum_slots(&scratch.slots, forces_n);
         let zero = ElasticState::default();
-        let squared = scratch
-            .totals
-            .iter()
-            .fold(zero, |sum, &(energy_j, strain)| ElasticState {
-                strain_energy_j: sum.strain_energy_j + energy_j,
-                max_strain: sum.max_strain.max(strain),
-            });
-        ElasticState {
-            max_strain: squared.max_strain.sqrt(),
-            ..squared
-        }
+        let squared = scratch.totals.iter().fold(zero, |sum, &(energy_j, strain)| ElasticState {
+            strain_energy_j: sum.strain_energy_j + energy_j,
+            max_strain: sum.max_strain.max(strain),
+        });
+        ElasticState { max_strain: squared.max_strain.sqrt(), ..squared }
     }
 
     fn runs_parallel(&self) -> bool {
@@ -116,16 +99,11 @@ impl ElementBatches {
             let starts = &self.node_starts[task * TASK_NODES..];
             for (force_n, range) in forces_n.iter_mut().zip(starts.windows(2)) {
                 let slots_of_node = &self.node_slots[range[0] as usize..range[1] as usize];
-                *force_n = slots_of_node
-                    .iter()
-                    .fold(DVec3::ZERO, |sum, &slot| sum + slots[slot as usize]);
+                *force_n = slots_of_node.iter().fold(DVec3::ZERO, |sum, &slot| sum + slots[slot as usize]);
             }
         };
         if self.runs_parallel() {
-            forces_n
-                .par_chunks_mut(TASK_NODES)
-                .enumerate()
-                .for_each(run);
+            forces_n.par_chunks_mut(TASK_NODES).enumerate().for_each(run);
         } else {
             forces_n.chunks_mut(TASK_NODES).enumerate().for_each(run);
         }
@@ -205,11 +183,7 @@ impl WithSimd for ChunkForces<'_> {
         };
         (
             totals.energy_j.0.iter().fold(0.0, |sum, x| sum + x),
-            totals
-                .strain_squared
-                .0
-                .iter()
-                .fold(0.0, |most, &x| f64::max(most, x)),
+            totals.strain_squared.0.iter().fold(0.0, |most, &x| f64::max(most, x)),
         )
     }
 }

@@ -30,11 +30,8 @@ pub(super) struct BatchShape {
 }
 
 impl BatchShape {
-    pub(super) const ZERO: Self = Self {
-        gradients_per_m: [Row::ZERO; 9],
-        lambda_volume_j: Row::ZERO,
-        mu_volume_j: Row::ZERO,
-    };
+    pub(super) const ZERO: Self =
+        Self { gradients_per_m: [Row::ZERO; 9], lambda_volume_j: Row::ZERO, mu_volume_j: Row::ZERO };
 
     /// Fills one lane from `g_1, g_2, g_3`, the volume and the material.
     pub(super) fn set(
@@ -76,10 +73,7 @@ pub(super) struct LaneTotals {
 }
 
 impl LaneTotals {
-    pub(super) const ZERO: Self = Self {
-        energy_j: Row::ZERO,
-        strain_squared: Row::ZERO,
-    };
+    pub(super) const ZERO: Self = Self { energy_j: Row::ZERO, strain_squared: Row::ZERO };
 }
 
 /// Symmetric matrix per lane: xx, yy, zz, xy, xz, yz.
@@ -111,11 +105,8 @@ pub(super) fn green_batch<S: Simd>(
         let strain = scale(twice_strain, half);
         let stress = hooke(simd, shape, strain, group);
         add_totals(group, totals, strain, stress);
-        let first_piola = [
-            symmetric_times(stress, f[0]),
-            symmetric_times(stress, f[1]),
-            symmetric_times(stress, f[2]),
-        ];
+        let first_piola =
+            [symmetric_times(stress, f[0]), symmetric_times(stress, f[1]), symmetric_times(stress, f[2])];
         store_forces(corners, first_piola, gradients, group);
     }
 }
@@ -159,11 +150,7 @@ fn load_gradients<S: Simd>(simd: S, shape: &BatchShape, group: usize) -> [Lanes3
 
 #[inline(always)]
 fn load3<S: Simd>(simd: S, rows: [&Row; 3], group: usize) -> Lanes3<S> {
-    [
-        rows[0].load(simd, group),
-        rows[1].load(simd, group),
-        rows[2].load(simd, group),
-    ]
+    [rows[0].load(simd, group), rows[1].load(simd, group), rows[2].load(simd, group)]
 }
 
 /// Rows of `F = sum_a d_a g_a^T`.
@@ -180,11 +167,7 @@ fn deformation_gradient<S: Simd>(
     let x3 = load3(simd, [&corners[9], &corners[10], &corners[11]], group);
     let edges = transpose([subtract(x1, x0), subtract(x2, x0), subtract(x3, x0)]);
     let columns = transpose(g);
-    [
-        dots(edges[0], columns),
-        dots(edges[1], columns),
-        dots(edges[2], columns),
-    ]
+    [dots(edges[0], columns), dots(edges[1], columns), dots(edges[2], columns)]
 }
 
 #[inline(always)]
@@ -194,23 +177,12 @@ fn dots<S: Simd>(a: Lanes3<S>, b: [Lanes3<S>; 3]) -> Lanes3<S> {
 
 #[inline(always)]
 fn transpose<S: Simd>(m: [Lanes3<S>; 3]) -> [Lanes3<S>; 3] {
-    [
-        [m[0][0], m[1][0], m[2][0]],
-        [m[0][1], m[1][1], m[2][1]],
-        [m[0][2], m[1][2], m[2][2]],
-    ]
+    [[m[0][0], m[1][0], m[2][0]], [m[0][1], m[1][1], m[2][1]], [m[0][2], m[1][2], m[2][2]]]
 }
 
 #[inline(always)]
 fn scale<S: Simd>(m: Symmetric<S>, by: Lanes<S>) -> Symmetric<S> {
-    [
-        m[0] * by,
-        m[1] * by,
-        m[2] * by,
-        m[3] * by,
-        m[4] * by,
-        m[5] * by,
-    ]
+    [m[0] * by, m[1] * by, m[2] * by, m[3] * by, m[4] * by, m[5] * by]
 }
 
 /// `V_0 (lambda tr(e) I + 2 mu e)`.
@@ -219,14 +191,7 @@ fn hooke<S: Simd>(simd: S, shape: &BatchShape, e: Symmetric<S>, group: usize) ->
     let mu = shape.mu_volume_j.load(simd, group);
     let stress = scale(e, mu + mu);
     let pressure = shape.lambda_volume_j.load(simd, group) * (e[0] + e[1] + e[2]);
-    [
-        stress[0] + pressure,
-        stress[1] + pressure,
-        stress[2] + pressure,
-        stress[3],
-        stress[4],
-        stress[5],
-    ]
+    [stress[0] + pressure, stress[1] + pressure, stress[2] + pressure, stress[3], stress[4], stress[5]]
 }
 
 /// `a : b`.
@@ -237,29 +202,18 @@ fn contract<S: Simd>(a: Symmetric<S>, b: Symmetric<S>) -> Lanes<S> {
 }
 
 #[inline(always)]
-fn add_totals<S: Simd>(
-    group: usize,
-    totals: &mut LaneTotals,
-    strain: Symmetric<S>,
-    stress: Symmetric<S>,
-) {
+fn add_totals<S: Simd>(group: usize, totals: &mut LaneTotals, strain: Symmetric<S>, stress: Symmetric<S>) {
     let simd = strain[0].simd();
     let half = Lanes::splat(simd, 0.5);
     let energy = totals.energy_j.load(simd, group) + contract(stress, strain) * half;
     totals.energy_j.store(group, energy);
     let strain_squared = totals.strain_squared.load(simd, group);
-    totals
-        .strain_squared
-        .store(group, strain_squared.max(contract(strain, strain)));
+    totals.strain_squared.store(group, strain_squared.max(contract(strain, strain)));
 }
 
 #[inline(always)]
 fn symmetric_times<S: Simd>(m: Symmetric<S>, v: Lanes3<S>) -> Lanes3<S> {
-    [
-        dot([m[0], m[3], m[4]], v),
-        dot([m[3], m[1], m[5]], v),
-        dot([m[4], m[5], m[2]], v),
-    ]
+    [dot([m[0], m[3], m[4]], v), dot([m[3], m[1], m[5]], v), dot([m[4], m[5], m[2]], v)]
 }
 
 /// `f_a = -stress g_a` for a = 1, 2, 3, and `f_0` balances them.

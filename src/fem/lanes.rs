@@ -22,10 +22,7 @@ impl Row {
     /// The numbers of the `group`-th register.
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, group: usize) -> Lanes<S> {
-        Lanes {
-            simd,
-            value: S::as_simd_f64s(&self.0).0[group],
-        }
+        Lanes { simd, value: S::as_simd_f64s(&self.0).0[group] }
     }
 
     #[inline(always)]
@@ -47,10 +44,7 @@ pub(super) type Lanes3<S> = [Lanes<S>; 3];
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(super) fn splat(simd: S, number: f64) -> Self {
-        Self {
-            simd,
-            value: simd.splat_f64s(number),
-        }
+        Self { simd, value: simd.splat_f64s(number) }
     }
 
     #[inline(always)]
@@ -60,10 +54,7 @@ impl<S: Simd> Lanes<S> {
 
     #[inline(always)]
     pub(super) fn max(self, other: Self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.max_f64s(self.value, other.value),
-        }
+        Self { simd: self.simd, value: self.simd.max_f64s(self.value, other.value) }
     }
 }
 
@@ -71,10 +62,7 @@ impl<S: Simd> Add for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.add_f64s(self.value, other.value),
-        }
+        Self { simd: self.simd, value: self.simd.add_f64s(self.value, other.value) }
     }
 }
 
@@ -82,10 +70,7 @@ impl<S: Simd> Sub for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.sub_f64s(self.value, other.value),
-        }
+        Self { simd: self.simd, value: self.simd.sub_f64s(self.value, other.value) }
     }
 }
 
@@ -93,10 +78,7 @@ impl<S: Simd> Mul for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.mul_f64s(self.value, other.value),
-        }
+        Self { simd: self.simd, value: self.simd.mul_f64s(self.value, other.value) }
     }
 }
 
@@ -104,10 +86,7 @@ impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.neg_f64s(self.value),
-        }
+        Self { simd: self.simd, value: self.simd.neg_f64s(self.value) }
     }
 }
 

@@ -53,28 +53,16 @@ pub fn scale_masses(steps_s: &[f64], masses_kg: &[f64], max_share: f64) -> MassS
         own_kg += masses_kg[element];
         needed_kg_s2 += masses_kg[element] / (steps_s[element] * steps_s[element]);
         // The budget never buys less than the step that is there already.
-        step_s = f64::max(
-            ((budget_kg + own_kg) / needed_kg_s2).sqrt(),
-            steps_s[order[0]],
-        );
-        let next = order
-            .get(rank + 1)
-            .map_or(f64::INFINITY, |&next| steps_s[next]);
+        step_s = f64::max(((budget_kg + own_kg) / needed_kg_s2).sqrt(), steps_s[order[0]]);
+        let next = order.get(rank + 1).map_or(f64::INFINITY, |&next| steps_s[next]);
         if step_s <= next {
             break;
         }
     }
-    let factors: Vec<f64> = steps_s
-        .iter()
-        .map(|&own_s| f64::max(1.0, (step_s / own_s).powi(2)))
-        .collect();
+    let factors: Vec<f64> = steps_s.iter().map(|&own_s| f64::max(1.0, (step_s / own_s).powi(2))).collect();
     let added = factors.iter().zip(masses_kg);
     let added_mass_kg = added.map(|(factor, mass)| (factor - 1.0) * mass).sum();
-    MassScaling {
-        factors,
-        added_mass_kg,
-        step_s,
-    }
+    MassScaling { factors, added_mass_kg, step_s }
 }
 
 #[cfg(test)]

@@ -76,9 +76,7 @@ impl ElasticConstants {
     #[must_use]
     pub fn is_sound(&self) -> bool {
         let bulk_pa = self.lambda_pa + 2.0 / 3.0 * self.mu_pa;
-        [self.mu_pa, bulk_pa, self.density_kg_m3]
-            .iter()
-            .all(|x| x.is_finite() && *x > 0.0)
+        [self.mu_pa, bulk_pa, self.density_kg_m3].iter().all(|x| x.is_finite() && *x > 0.0)
     }
 }
 
@@ -109,15 +107,9 @@ mod tests {
         let e = |e, nu, rho| ElasticConstants::new(e, nu, rho).unwrap_err();
         assert_eq!(e(1e9, 0.5, 1.0), MaterialError::PoissonRatio(0.5));
         assert_eq!(e(1e9, -1.0, 1.0), MaterialError::PoissonRatio(-1.0));
-        assert!(matches!(
-            e(1e9, f64::NAN, 1.0),
-            MaterialError::PoissonRatio(_)
-        ));
+        assert!(matches!(e(1e9, f64::NAN, 1.0), MaterialError::PoissonRatio(_)));
         assert_eq!(e(0.0, 0.3, 1.0), MaterialError::YoungsModulus(0.0));
-        assert_eq!(
-            e(f64::INFINITY, 0.3, 1.0),
-            MaterialError::YoungsModulus(f64::INFINITY)
-        );
+        assert_eq!(e(f64::INFINITY, 0.3, 1.0), MaterialError::YoungsModulus(f64::INFINITY));
         assert_eq!(e(1e9, 0.3, -7844.0), MaterialError::Density(-7844.0));
     }
 }

@@ -55,9 +55,7 @@ fn curve_order(nodes_m: &[DVec3], tets: &[[u32; 4]]) -> Vec<u32> {
     let bounds = tets
         .iter()
         .map(centre)
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let side = (bounds.1 - bounds.0).max_element().max(f64::MIN_POSITIVE);
     let mut keys: Vec<(u64, u32)> = (0..tets.len() as u32)
         .map(|element| {
@@ -96,11 +94,7 @@ mod tests {
         assert_eq!(seen, (0..mesh.tets.len() as u32).collect::<Vec<_>>());
         for chunk in &chunks {
             assert!(chunk.elements.len() <= CHUNK_ELEMENTS && chunk.nodes.len() <= CHUNK_NODES);
-            let mut nodes: Vec<u32> = chunk
-                .elements
-                .iter()
-                .flat_map(|&e| mesh.tets[e as usize])
-                .collect();
+            let mut nodes: Vec<u32> = chunk.elements.iter().flat_map(|&e| mesh.tets[e as usize]).collect();
             nodes.sort_unstable();
             nodes.dedup();
             assert_eq!(nodes, chunk.nodes);
@@ -112,22 +106,14 @@ mod tests {
         let mesh = box_mesh([16, 16, 16], 0.0);
         let chunks = partition(&mesh.nodes_m, &mesh.tets);
         let shared: usize = chunks.iter().map(|c| c.nodes.len()).sum();
-        assert!(
-            shared < 3 * mesh.nodes_m.len(),
-            "{shared} of {}",
-            mesh.nodes_m.len()
-        );
+        assert!(shared < 3 * mesh.nodes_m.len(), "{shared} of {}", mesh.nodes_m.len());
     }
 
     #[test]
     fn elements_without_common_nodes_do_not_overflow_a_chunk() {
         let nodes: Vec<DVec3> = (0..4 * 300).map(|i| DVec3::splat(f64::from(i))).collect();
         let tets: Vec<[u32; 4]> = (0..300).map(|i| [0, 1, 2, 3].map(|c| 4 * i + c)).collect();
-        assert!(
-            partition(&nodes, &tets)
-                .iter()
-                .all(|c| c.nodes.len() <= CHUNK_NODES)
-        );
+        assert!(partition(&nodes, &tets).iter().all(|c| c.nodes.len() <= CHUNK_NODES));
     }
 
     #[test]

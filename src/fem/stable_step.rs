@@ -33,10 +33,7 @@ impl ElementBatches {
     #[must_use]
     pub fn element_altitude_steps_s(&self) -> Vec<f64> {
         self.map_elements(|element, gradients_per_m| {
-            let steepest = gradients_per_m
-                .iter()
-                .map(|g| g.length())
-                .fold(0.0, f64::max);
+            let steepest = gradients_per_m.iter().map(|g| g.length()).fold(0.0, f64::max);
             1.0 / (steepest * self.constants[element].p_wave_speed_m_s())
         })
     }
@@ -118,9 +115,7 @@ pub fn damped_step_s(step_s: f64, stiffness_damping_s: f64) -> f64 {
 
 /// `2 / omega_max` of one element with a quarter of its mass at each corner, s.
 pub(super) fn element_step_s(gradients_per_m: &[DVec3; 4], constants: &ElasticConstants) -> f64 {
-    let gram = gradients_per_m
-        .iter()
-        .fold(DMat3::ZERO, |sum, &g| sum + outer(g));
+    let gram = gradients_per_m.iter().fold(DMat3::ZERO, |sum, &g| sum + outer(g));
     // omega^2 = V_0 Lambda(G / (rho V_0 / 4)) = 4 Lambda(G) / rho
     (constants.density_kg_m3 / stiffness_eigenvalue(&gram, constants)).sqrt()
 }

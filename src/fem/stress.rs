@@ -30,11 +30,7 @@ impl ElementBatches {
     /// Cauchy stress of each element, Pa, tension positive, world axes, in the caller's order:
     /// `F S F^T / J` for `green` (not finite if the element is exactly flat), `R s R^T` for `body-frame`.
     #[must_use]
-    pub fn cauchy_stresses_pa(
-        &self,
-        positions_m: &[DVec3],
-        kinematics: ElementKinematics,
-    ) -> Vec<DMat3> {
+    pub fn cauchy_stresses_pa(&self, positions_m: &[DVec3], kinematics: ElementKinematics) -> Vec<DMat3> {
         self.map_elements(|element, gradients_per_m| {
             let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
             match kinematics {
@@ -42,20 +38,14 @@ impl ElementBatches {
                     let pushed = at.gradient * at.stress_pa * at.gradient.transpose();
                     pushed * at.gradient.determinant().recip()
                 }
-                ElementKinematics::BodyFrame { rotation } => {
-                    rotation * at.stress_pa * rotation.transpose()
-                }
+                ElementKinematics::BodyFrame { rotation } => rotation * at.stress_pa * rotation.transpose(),
             }
         })
     }
 
     /// Strain energy of each element, J, in the caller's order.
     #[must_use]
-    pub fn element_energies_j(
-        &self,
-        positions_m: &[DVec3],
-        kinematics: ElementKinematics,
-    ) -> Vec<f64> {
+    pub fn element_energies_j(&self, positions_m: &[DVec3], kinematics: ElementKinematics) -> Vec<f64> {
         self.map_elements(|element, gradients_per_m| {
             let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
             let volume_m3 = self.masses_kg[element] / self.constants[element].density_kg_m3;
@@ -107,11 +97,7 @@ impl ElementBatches {
                 (gradient + gradient.transpose()) * 0.5 - DMat3::IDENTITY
             }
         };
-        ElementStrain {
-            gradient,
-            strain,
-            stress_pa: self.constants[element].stress_pa(&strain),
-        }
+        ElementStrain { gradient, strain, stress_pa: self.constants[element].stress_pa(&strain) }
     }
 
     /// A value for each element from its index and its gradients (1/m), in the caller's order.
@@ -120,10 +106,7 @@ impl ElementBatches {
         value: impl Fn(usize, [DVec3; 4]) -> T + Sync,
     ) -> Vec<T> {
         let of_chunk = |chunk: &Chunk| -> Vec<T> {
-            chunk
-                .elements()
-                .map(|(element, gradients)| value(element, gradients))
-                .collect()
+            chunk.elements().map(|(element, gradients)| value(element, gradients)).collect()
         };
         let by_chunk: Vec<Vec<T>> = self.chunks.par_iter().map(of_chunk).collect();
         let mut values = vec![T::default(); self.element_count()];
@@ -139,14 +122,10 @@ impl ElementBatches {
 impl Chunk {
     /// Index and gradients `g_0 .. g_3` (1/m) of each element.
     fn elements(&self) -> impl Iterator<Item = (usize, [DVec3; 4])> {
-        self.layout
-            .elements
-            .iter()
-            .enumerate()
-            .map(|(place, &element)| {
-                let shape = &self.batches[place / BATCH].shape;
-                let [g1, g2, g3] = shape.gradients_per_m(place % BATCH);
-                (element as usize, [-(g1 + g2 + g3), g1, g2, g3])
-            })
+        self.layout.elements.iter().enumerate().map(|(place, &element)| {
+            let shape = &self.batches[place / BATCH].shape;
+            let [g1, g2, g3] = shape.gradients_per_m(place % BATCH);
+            (element as usize, [-(g1 + g2 + g3), g1, g2, g3])
+        })
     }
 }

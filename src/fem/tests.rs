@@ -6,22 +6,12 @@ use crate::math::{MassProperties, best_fit_rotation, rotation_from_vector, symme
 use crate::mesh::{TetMesh, signed_volume_m3};
 use glam::{DMat3, DQuat, DVec3};
 
-const STEEL: ElasticConstants = ElasticConstants {
-    lambda_pa: 1.2e11,
-    mu_pa: 8e10,
-    density_kg_m3: 7850.0,
-};
-const RUBBER: ElasticConstants = ElasticConstants {
-    lambda_pa: 2e7,
-    mu_pa: 1e6,
-    density_kg_m3: 1100.0,
-};
+const STEEL: ElasticConstants = ElasticConstants { lambda_pa: 1.2e11, mu_pa: 8e10, density_kg_m3: 7850.0 };
+const RUBBER: ElasticConstants = ElasticConstants { lambda_pa: 2e7, mu_pa: 1e6, density_kg_m3: 1100.0 };
 
 /// Alternating steel and rubber.
 fn two_materials(elements: usize) -> Vec<ElasticConstants> {
-    (0..elements)
-        .map(|e| if e % 3 == 0 { STEEL } else { RUBBER })
-        .collect()
+    (0..elements).map(|e| if e % 3 == 0 { STEEL } else { RUBBER }).collect()
 }
 
 fn batches(mesh: &TetMesh, constants: &[ElasticConstants]) -> ElementBatches {
@@ -31,10 +21,7 @@ fn batches(mesh: &TetMesh, constants: &[ElasticConstants]) -> ElementBatches {
 fn both_kinematics() -> [ElementKinematics; 2] {
     let turn = rotation_from_vector(DVec3::new(0.5, -1.2, 0.8));
     let rotation = DMat3::from_quat(turn);
-    [
-        ElementKinematics::Green,
-        ElementKinematics::BodyFrame { rotation },
-    ]
+    [ElementKinematics::Green, ElementKinematics::BodyFrame { rotation }]
 }
 
 fn rotation_of(kinematics: ElementKinematics) -> DMat3 {
@@ -44,11 +31,7 @@ fn rotation_of(kinematics: ElementKinematics) -> DMat3 {
     }
 }
 
-fn forces(
-    body: &ElementBatches,
-    x: &[DVec3],
-    kinematics: ElementKinematics,
-) -> (Vec<DVec3>, ElasticState) {
+fn forces(body: &ElementBatches, x: &[DVec3], kinematics: ElementKinematics) -> (Vec<DVec3>, ElasticState) {
     let mut forces_n = vec![DVec3::NAN; x.len()];
     let state = body.forces(&mut ForceScratch::default(), x, kinematics, &mut forces_n);
     (forces_n, state)
@@ -58,15 +41,12 @@ fn forces(
 fn shaken(mesh: &TetMesh, amplitude: f64, kinematics: ElementKinematics) -> Vec<DVec3> {
     let mut random = Random(7);
     let rotation = rotation_of(kinematics);
-    let moved =
-        |x: &DVec3| rotation * (*x + amplitude * random.vector()) + DVec3::new(3.0, 1.0, -2.0);
+    let moved = |x: &DVec3| rotation * (*x + amplitude * random.vector()) + DVec3::new(3.0, 1.0, -2.0);
     mesh.nodes_m.iter().map(moved).collect()
 }
 
 fn largest(vectors: &[DVec3]) -> f64 {
-    vectors
-        .iter()
-        .fold(0.0, |most, v| f64::max(most, v.abs().max_element()))
+    vectors.iter().fold(0.0, |most, v| f64::max(most, v.abs().max_element()))
 }
 
 /// Forces straight from the definition, element by element.
@@ -95,10 +75,7 @@ fn plain_forces(
             }
         }
         let stress = constants[element].stress_pa(&strain);
-        let products = stress
-            .to_cols_array()
-            .into_iter()
-            .zip(strain.to_cols_array());
+        let products = stress.to_cols_array().into_iter().zip(strain.to_cols_array());
         energy_j += 0.5 * volume_m3 * products.map(|(s, e)| s * e).sum::<f64>();
         // Columns of -V0 P Dm^-T are the forces on corners 1, 2, 3.
         let corner_forces = first_piola * inverse.transpose() * -volume_m3;
@@ -165,18 +142,11 @@ fn patch_test_constant_strain_gives_constant_stress_and_no_inner_force() {
     let stretch = DMat3::from_cols_array(&[1.02, 0.01, -0.02, 0.03, 0.97, 0.01, 0.0, -0.01, 1.01]);
     for kinematics in both_kinematics() {
         let rotation = rotation_of(kinematics);
-        let x: Vec<DVec3> = mesh
-            .nodes_m
-            .iter()
-            .map(|x| rotation * (stretch * *x))
-            .collect();
+        let x: Vec<DVec3> = mesh.nodes_m.iter().map(|x| rotation * (stretch * *x)).collect();
         let expected = match kinematics {
             ElementKinematics::Green => {
                 let strain = (stretch.transpose() * stretch - DMat3::IDENTITY) * 0.5;
-                stretch
-                    * STEEL.stress_pa(&strain)
-                    * stretch.transpose()
-                    * stretch.determinant().recip()
+                stretch * STEEL.stress_pa(&strain) * stretch.transpose() * stretch.determinant().recip()
             }
             ElementKinematics::BodyFrame { rotation } => {
                 let strain = (stretch + stretch.transpose()) * 0.5 - DMat3::IDENTITY;
@@ -188,13 +158,8 @@ fn patch_test_constant_strain_gives_constant_stress_and_no_inner_force() {
         }
         let (forces_n, _) = forces(&body, &x, kinematics);
         let is_inner = |x: &DVec3| x.min_element() > 1e-9 && x.max_element() < 1.0 - 1e-9;
-        let inner: Vec<DVec3> = mesh
-            .nodes_m
-            .iter()
-            .zip(&forces_n)
-            .filter(|(x, _)| is_inner(x))
-            .map(|(_, f)| *f)
-            .collect();
+        let inner: Vec<DVec3> =
+            mesh.nodes_m.iter().zip(&forces_n).filter(|(x, _)| is_inner(x)).map(|(_, f)| *f).collect();
         assert_eq!(inner.len(), 3 * 2 * 4);
         assert!(largest(&inner) < 1e-12 * largest(&forces_n));
     }
@@ -205,17 +170,10 @@ fn rigid_motion_is_free_of_stress() {
     let mesh = box_mesh([3, 3, 3], 0.2);
     let body = batches(&mesh, &vec![STEEL; mesh.tets.len()]);
     let turn = rotation_from_vector(DVec3::new(2.0, 1.0, -1.5));
-    let x: Vec<DVec3> = mesh
-        .nodes_m
-        .iter()
-        .map(|x| turn * *x + DVec3::splat(10.0))
-        .collect();
-    for kinematics in [
-        ElementKinematics::Green,
-        ElementKinematics::BodyFrame {
-            rotation: DMat3::from_quat(turn),
-        },
-    ] {
+    let x: Vec<DVec3> = mesh.nodes_m.iter().map(|x| turn * *x + DVec3::splat(10.0)).collect();
+    for kinematics in
+        [ElementKinematics::Green, ElementKinematics::BodyFrame { rotation: DMat3::from_quat(turn) }]
+    {
         for stress in body.cauchy_stresses_pa(&x, kinematics) {
             assert!(stress.abs_diff_eq(DMat3::ZERO, 1e-12 * STEEL.mu_pa));
         }
@@ -249,22 +207,15 @@ fn same_bytes_for_any_thread_count_and_instruction_set() {
     for kinematics in both_kinematics() {
         let x = shaken(&mesh, 0.01, kinematics);
         let in_pool = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| forces(&body, &x, kinematics))
         };
         let one = in_pool(1);
         assert!(one == in_pool(2) && one == in_pool(2) && one == in_pool(3));
     }
-    let fastest: Vec<_> = both_kinematics()
-        .map(|k| forces(&body, &shaken(&mesh, 0.01, k), k))
-        .into();
+    let fastest: Vec<_> = both_kinematics().map(|k| forces(&body, &shaken(&mesh, 0.01, k), k)).into();
     body.arch = pulp::Arch::Scalar;
-    let plainest: Vec<_> = both_kinematics()
-        .map(|k| forces(&body, &shaken(&mesh, 0.01, k), k))
-        .into();
+    let plainest: Vec<_> = both_kinematics().map(|k| forces(&body, &shaken(&mesh, 0.01, k), k)).into();
     assert!(fastest == plainest);
 }
 
@@ -284,21 +235,14 @@ fn mass_is_volume_times_density() {
 /// Largest eigenvalue of `M^-1 K` by power iteration on the body-frame forces, which are linear: a value never above the
 /// true one.
 fn power_iteration(body: &ElementBatches, mesh: &TetMesh, masses_kg: &[f64]) -> f64 {
-    let kinematics = ElementKinematics::BodyFrame {
-        rotation: DMat3::IDENTITY,
-    };
+    let kinematics = ElementKinematics::BodyFrame { rotation: DMat3::IDENTITY };
     let mut random = Random(3);
     let mut mode: Vec<DVec3> = mesh.nodes_m.iter().map(|_| random.vector()).collect();
     let mut eigenvalue = 0.0;
     for _ in 0..3000 {
         let size = 1e-3 / mode.iter().map(|d| d.length_squared()).sum::<f64>().sqrt();
         mode.iter_mut().for_each(|d| *d *= size);
-        let x: Vec<DVec3> = mesh
-            .nodes_m
-            .iter()
-            .zip(&mode)
-            .map(|(x, d)| *x + *d)
-            .collect();
+        let x: Vec<DVec3> = mesh.nodes_m.iter().zip(&mode).map(|(x, d)| *x + *d).collect();
         let (forces_n, _) = forces(body, &x, kinematics);
         let (mut stiffness, mut mass) = (0.0, 0.0);
         for node in 0..x.len() {
@@ -318,11 +262,7 @@ fn stable_step_is_a_tight_bound_of_the_assembled_body() {
         let body = batches(&mesh, &two_materials(mesh.tets.len()));
         let masses_kg = body.lumped_masses_kg(None);
         let exact_s = 2.0 / power_iteration(&body, &mesh, &masses_kg).sqrt();
-        let by_elements_s = body
-            .element_stable_steps_s()
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
+        let by_elements_s = body.element_stable_steps_s().iter().copied().fold(f64::INFINITY, f64::min);
         let assembled_s = body.stable_step_s(&masses_kg);
         println!(
             "jitter {jitter}: elements {:.3}, assembled {:.3} of exact",
@@ -337,27 +277,18 @@ fn stable_step_is_a_tight_bound_of_the_assembled_body() {
 
 #[test]
 fn step_of_one_element_is_exact_and_the_altitude_estimate_is_not_safe() {
-    let auxetic = ElasticConstants {
-        lambda_pa: -0.6 * STEEL.mu_pa,
-        ..STEEL
-    };
+    let auxetic = ElasticConstants { lambda_pa: -0.6 * STEEL.mu_pa, ..STEEL };
     for constants in [STEEL, RUBBER, auxetic] {
         let mut random = Random(11);
         for _ in 0..5 {
             let far = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis + 0.4 * random.vector());
-            let mesh = TetMesh::with_one_region(
-                vec![DVec3::ZERO, far[0], far[1], far[2]],
-                vec![[0, 1, 2, 3]],
-            );
+            let mesh =
+                TetMesh::with_one_region(vec![DVec3::ZERO, far[0], far[1], far[2]], vec![[0, 1, 2, 3]]);
             let body = batches(&mesh, &[constants]);
             let masses_kg = body.lumped_masses_kg(None);
             let exact_s = 2.0 / power_iteration(&body, &mesh, &masses_kg).sqrt();
             let step_s = body.element_stable_steps_s()[0];
-            assert!(
-                (step_s / exact_s - 1.0).abs() < 1e-6,
-                "{}",
-                step_s / exact_s
-            );
+            assert!((step_s / exact_s - 1.0).abs() < 1e-6, "{}", step_s / exact_s);
             assert!((body.stable_step_s(&masses_kg) / step_s - 1.0).abs() < 1e-12);
             assert!(body.element_altitude_steps_s()[0] > step_s);
         }
@@ -365,12 +296,7 @@ fn step_of_one_element_is_exact_and_the_altitude_estimate_is_not_safe() {
 }
 
 /// Sum of the displacements after 400 leapfrog steps from a small shake.
-fn leapfrog(
-    body: &ElementBatches,
-    mesh: &TetMesh,
-    kinematics: ElementKinematics,
-    step_s: f64,
-) -> f64 {
+fn leapfrog(body: &ElementBatches, mesh: &TetMesh, kinematics: ElementKinematics, step_s: f64) -> f64 {
     let masses_kg = body.lumped_masses_kg(None);
     let mut x = shaken(mesh, 1e-6, kinematics);
     let start = x.clone();
@@ -413,35 +339,24 @@ fn deformed_green_elements_stay_within_the_step_factor() {
         let body = batches(&mesh, &[constants]);
         let mass_kg = body.lumped_masses_kg(None)[0];
         for _ in 0..20 {
-            let x: Vec<DVec3> = mesh
-                .nodes_m
-                .iter()
-                .map(|x| *x * 1.2 + 0.2 * random.vector())
-                .collect();
+            let x: Vec<DVec3> = mesh.nodes_m.iter().map(|x| *x * 1.2 + 0.2 * random.vector()).collect();
             let (_, state) = forces(&body, &x, ElementKinematics::Green);
             let mut mode: Vec<DVec3> = (0..4).map(|_| random.vector()).collect();
             let mut eigenvalue = 0.0;
             for _ in 0..300 {
                 let size = 1e-6 / largest(&mode);
                 let moved = |sign: f64| -> Vec<DVec3> {
-                    x.iter()
-                        .zip(&mode)
-                        .map(|(x, d)| *x + *d * (sign * size))
-                        .collect()
+                    x.iter().zip(&mode).map(|(x, d)| *x + *d * (sign * size)).collect()
                 };
                 let ahead = forces(&body, &moved(1.0), ElementKinematics::Green).0;
                 let behind = forces(&body, &moved(-1.0), ElementKinematics::Green).0;
-                let next: Vec<DVec3> = ahead
-                    .iter()
-                    .zip(&behind)
-                    .map(|(a, b)| (*b - *a) / (2.0 * size * mass_kg))
-                    .collect();
+                let next: Vec<DVec3> =
+                    ahead.iter().zip(&behind).map(|(a, b)| (*b - *a) / (2.0 * size * mass_kg)).collect();
                 let along: f64 = mode.iter().zip(&next).map(|(d, k)| d.dot(*k)).sum();
                 eigenvalue = along / mode.iter().map(|d| d.length_squared()).sum::<f64>();
                 mode = next;
             }
-            let allowed_s =
-                body.element_stable_steps_s()[0] * body.green_step_factor(state.max_strain);
+            let allowed_s = body.element_stable_steps_s()[0] * body.green_step_factor(state.max_strain);
             assert!(
                 allowed_s <= 2.0 / f64::sqrt(eigenvalue.max(1e-300)) * (1.0 + 1e-6),
                 "{}",
@@ -483,19 +398,11 @@ fn mass_scaling_raises_the_step_of_the_assembled_body() {
         .collect();
     mesh.tets = sound;
     let body = batches(&mesh, &vec![STEEL; mesh.tets.len()]);
-    let scaling = scale_masses(
-        body.element_stable_steps_s(),
-        body.element_masses_kg(),
-        0.05,
-    );
+    let scaling = scale_masses(body.element_stable_steps_s(), body.element_masses_kg(), 0.05);
     let masses_kg = body.lumped_masses_kg(Some(&scaling.factors));
     let exact_s = 2.0 / power_iteration(&body, &mesh, &masses_kg).sqrt();
     assert!(scaling.step_s <= exact_s * (1.0 + 1e-9));
-    let before_s = body
-        .element_stable_steps_s()
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
+    let before_s = body.element_stable_steps_s().iter().copied().fold(f64::INFINITY, f64::min);
     assert!(scaling.step_s > 1.2 * before_s);
 }
 
@@ -508,21 +415,10 @@ fn finds_the_first_place_that_is_not_finite() {
         assert_eq!(body.first_not_finite(&x, kinematics), None);
         x[5].y = f64::NAN;
         assert!(!forces(&body, &x, kinematics).1.strain_energy_j.is_finite());
-        assert_eq!(
-            body.first_not_finite(&x, kinematics),
-            Some(NotFinitePlace::Node(5))
-        );
+        assert_eq!(body.first_not_finite(&x, kinematics), Some(NotFinitePlace::Node(5)));
         let apart: Vec<DVec3> = mesh.nodes_m.iter().map(|x| *x * 1e200).collect();
-        assert!(
-            !forces(&body, &apart, kinematics)
-                .1
-                .strain_energy_j
-                .is_finite()
-        );
-        assert_eq!(
-            body.first_not_finite(&apart, kinematics),
-            Some(NotFinitePlace::Element(0))
-        );
+        assert!(!forces(&body, &apart, kinematics).1.strain_energy_j.is_finite());
+        assert_eq!(body.first_not_finite(&apart, kinematics), Some(NotFinitePlace::Element(0)));
     }
 }
 
@@ -530,36 +426,18 @@ fn finds_the_first_place_that_is_not_finite() {
 fn unsound_elements_are_refused_by_number() {
     let mesh = box_mesh([1, 1, 1], 0.0);
     let constants = vec![STEEL; 6];
-    let new = |nodes: &[DVec3], tets: &[[u32; 4]]| {
-        ElementBatches::new(nodes, tets, &constants).unwrap_err()
-    };
+    let new = |nodes: &[DVec3], tets: &[[u32; 4]]| ElementBatches::new(nodes, tets, &constants).unwrap_err();
     let mut tets = mesh.tets.clone();
     tets[3].swap(0, 1);
     assert!(
         matches!(new(&mesh.nodes_m, &tets), FemError::NoVolume { element: 3, volume_m3 } if volume_m3 < 0.0)
     );
     tets[3] = [0, 1, 2, 8];
-    assert_eq!(
-        new(&mesh.nodes_m, &tets),
-        FemError::NoSuchNode {
-            element: 3,
-            node: 8,
-            nodes: 8
-        }
-    );
+    assert_eq!(new(&mesh.nodes_m, &tets), FemError::NoSuchNode { element: 3, node: 8, nodes: 8 });
     let mut nodes = mesh.nodes_m.clone();
     nodes[mesh.tets[0][0] as usize].x = f64::NAN;
-    assert!(matches!(
-        new(&nodes, &mesh.tets),
-        FemError::NoVolume { element: 0, .. }
-    ));
-    assert_eq!(
-        new(&mesh.nodes_m, &mesh.tets[..5]),
-        FemError::ConstantsCount {
-            constants: 6,
-            elements: 5
-        }
-    );
+    assert!(matches!(new(&nodes, &mesh.tets), FemError::NoVolume { element: 0, .. }));
+    assert_eq!(new(&mesh.nodes_m, &mesh.tets[..5]), FemError::ConstantsCount { constants: 6, elements: 5 });
     let mut bad = constants.clone();
     bad[2].mu_pa = 0.0;
     assert!(matches!(
@@ -567,10 +445,7 @@ fn unsound_elements_are_refused_by_number() {
         Err(FemError::Constants { element: 2, .. })
     ));
     let nothing = ElementBatches::new(&[], &[], &[]).unwrap();
-    assert_eq!(
-        forces(&nothing, &[], ElementKinematics::Green).1,
-        ElasticState::default()
-    );
+    assert_eq!(forces(&nothing, &[], ElementKinematics::Green).1, ElasticState::default());
     assert_eq!(nothing.stable_step_s(&[]), f64::INFINITY);
 }
 

@@ -30,14 +30,9 @@ impl MassProperties {
         let moment: DVec3 = points().map(|(&mass, &x)| mass * (x - origin_m)).sum();
         let offset_m = if mass_kg > 0.0 { moment / mass_kg } else { -origin_m };
         let centre_m = origin_m + offset_m;
-        let inertia_kg_m2 = points().fold(DMat3::ZERO, |sum, (&mass, &x)| {
-            sum + inertia_of_point_kg_m2(mass, x - centre_m)
-        });
-        Self {
-            mass_kg,
-            centre_m,
-            inertia_kg_m2,
-        }
+        let inertia_kg_m2 =
+            points().fold(DMat3::ZERO, |sum, (&mass, &x)| sum + inertia_of_point_kg_m2(mass, x - centre_m));
+        Self { mass_kg, centre_m, inertia_kg_m2 }
     }
 }
 
@@ -102,7 +97,10 @@ mod tests {
     #[test]
     fn nothing_has_no_mass_properties() {
         let nothing = MassProperties::of_points(&[], &[]);
-        assert_eq!((nothing.mass_kg, nothing.centre_m, nothing.inertia_kg_m2), (0.0, DVec3::ZERO, DMat3::ZERO));
+        assert_eq!(
+            (nothing.mass_kg, nothing.centre_m, nothing.inertia_kg_m2),
+            (0.0, DVec3::ZERO, DMat3::ZERO)
+        );
         assert_eq!(solve_inertia(&nothing.inertia_kg_m2, DVec3::X), DVec3::ZERO);
     }
 }

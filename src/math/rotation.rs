@@ -16,11 +16,7 @@ const MAX_SWEEPS: usize = 20;
 pub fn rotation_from_vector(vector_rad: DVec3) -> DQuat {
     let half = 0.5 * vector_rad.length();
     // sin(x)/x by its series near zero; both branches agree to round-off at the border.
-    let half_sinc = if half < 1e-4 {
-        0.5 * (1.0 - half * half / 6.0)
-    } else {
-        0.5 * half.sin() / half
-    };
+    let half_sinc = if half < 1e-4 { 0.5 * (1.0 - half * half / 6.0) } else { 0.5 * half.sin() / half };
     let axis = vector_rad * half_sinc;
     DQuat::from_xyzw(axis.x, axis.y, axis.z, half.cos()).normalize()
 }
@@ -28,11 +24,7 @@ pub fn rotation_from_vector(vector_rad: DVec3) -> DQuat {
 /// The matrix `[v]x` with `[v]x a = v x a`.
 #[must_use]
 pub fn skew(v: DVec3) -> DMat3 {
-    DMat3::from_cols(
-        DVec3::new(0.0, v.z, -v.y),
-        DVec3::new(-v.z, 0.0, v.x),
-        DVec3::new(v.y, -v.x, 0.0),
-    )
+    DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
 }
 
 /// The rotation `R` that maximises `R : A`, for `A = sum_i m_i x_i X_i^T` the one that fits
@@ -52,10 +44,8 @@ pub fn best_fit_rotation(matrix: &DMat3, warm_start: DQuat) -> DQuat {
     let (values, vectors) = jacobi4(horn_matrix(&(seen * (1.0 / scale))));
     let top = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     // The identity quaternion (x, y, z, w) = (0, 0, 0, 1) projected on the space of best fits.
-    let nearest: DVec4 = (0..4)
-        .filter(|&i| top - values[i] <= EQUAL_FIT)
-        .map(|i| vectors[i] * vectors[i].w)
-        .sum();
+    let nearest: DVec4 =
+        (0..4).filter(|&i| top - values[i] <= EQUAL_FIT).map(|i| vectors[i] * vectors[i].w).sum();
     let best = if nearest.length_squared() > EQUAL_FIT * EQUAL_FIT {
         nearest
     } else {

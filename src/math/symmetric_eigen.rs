@@ -122,10 +122,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn largest_entry(matrix: &DMat3) -> f64 {
-        matrix
-            .to_cols_array()
-            .iter()
-            .fold(0.0, |largest, x| f64::max(largest, x.abs()))
+        matrix.to_cols_array().iter().fold(0.0, |largest, x| f64::max(largest, x.abs()))
     }
 
     fn assert_sound(matrix: &DMat3) {

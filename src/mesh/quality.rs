@@ -34,28 +34,19 @@ impl ElementShape {
             min_altitude_m: ratio_or_zero(3.0 * volume_m3.abs(), largest_face_m2),
             shortest_edge_m,
             longest_edge_m,
-            quality: ratio_or_zero(
-                6.0 * std::f64::consts::SQRT_2 * volume_m3.abs(),
-                longest_edge_m.powi(3),
-            ),
+            quality: ratio_or_zero(6.0 * std::f64::consts::SQRT_2 * volume_m3.abs(), longest_edge_m.powi(3)),
         }
     }
 }
 
 fn ratio_or_zero(numerator: f64, denominator: f64) -> f64 {
-    if denominator > 0.0 {
-        numerator / denominator
-    } else {
-        0.0
-    }
+    if denominator > 0.0 { numerator / denominator } else { 0.0 }
 }
 
 fn edge_range_m([a, b, c, d]: &[DVec3; 4]) -> (f64, f64) {
     [*b - *a, *c - *a, *d - *a, *c - *b, *d - *b, *d - *c]
         .iter()
-        .fold((f64::INFINITY, 0.0), |(low, high), edge| {
-            (low.min(edge.length()), high.max(edge.length()))
-        })
+        .fold((f64::INFINITY, 0.0), |(low, high), edge| (low.min(edge.length()), high.max(edge.length())))
 }
 
 fn largest_face_m2(corners_m: &[DVec3; 4]) -> f64 {
@@ -117,9 +108,8 @@ impl MeshReport {
     #[must_use]
     pub fn of(mesh: &TetMesh) -> Self {
         let surface = Surface::of(&mesh.tets);
-        let shapes: Vec<ElementShape> = (0..mesh.tets.len())
-            .map(|tet| ElementShape::of(&mesh.corners_m(tet)))
-            .collect();
+        let shapes: Vec<ElementShape> =
+            (0..mesh.tets.len()).map(|tet| ElementShape::of(&mesh.corners_m(tet))).collect();
         Self {
             nodes: mesh.nodes_m.len(),
             tets: mesh.tets.len(),
@@ -180,22 +170,15 @@ impl fmt::Display for MeshReport {
 
 impl MeshReport {
     fn write_regions(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let regions: Vec<String> = self
-            .regions
-            .iter()
-            .map(|(name, count)| format!("{name} ({count})"))
-            .collect();
+        let regions: Vec<String> =
+            self.regions.iter().map(|(name, count)| format!("{name} ({count})")).collect();
         writeln!(f, "regions             {}", regions.join(", "))
     }
 
     fn write_parts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "parts               {}", self.parts)?;
         if self.parts_by_nodes < self.parts {
-            write!(
-                f,
-                " (joined only at single nodes or edges; {} if those count)",
-                self.parts_by_nodes
-            )?;
+            write!(f, " (joined only at single nodes or edges; {} if those count)", self.parts_by_nodes)?;
         }
         writeln!(f)
     }
@@ -206,11 +189,7 @@ impl MeshReport {
             (0, n) => format!("closed; more than two triangles meet at {n} edge(s)"),
             (n, _) => format!("NOT closed: {n} open edge(s)"),
         };
-        writeln!(
-            f,
-            "surface             {} triangles, {kind}",
-            self.surface_triangles
-        )?;
+        writeln!(f, "surface             {} triangles, {kind}", self.surface_triangles)?;
         if self.overused_faces > 0 {
             writeln!(
                 f,
@@ -230,11 +209,7 @@ impl MeshReport {
             )?;
         }
         if let Some(worst) = self.smallest_altitude_m {
-            writeln!(
-                f,
-                "smallest altitude   {:.3e} m at element {}",
-                worst.value, worst.element
-            )?;
+            writeln!(f, "smallest altitude   {:.3e} m at element {}", worst.value, worst.element)?;
         }
         write!(f, "inverted or flat    {}", self.inverted)
     }
@@ -281,13 +256,7 @@ mod tests {
 
     #[test]
     fn the_report_counts_what_is_wrong() {
-        let nodes = vec![
-            DVec3::ZERO,
-            DVec3::X,
-            DVec3::Y,
-            DVec3::Z,
-            DVec3::new(0.3, 0.3, -1e-4),
-        ];
+        let nodes = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.3, 0.3, -1e-4)];
         let mesh = TetMesh::with_one_region(nodes, vec![[0, 1, 2, 3], [0, 1, 2, 4]]);
         let report = MeshReport::of(&mesh);
         assert_eq!((report.inverted, report.slivers, report.parts), (1, 1, 1));

@@ -51,10 +51,7 @@ fn face_key(mut nodes: [u32; 3], tet_face: u32) -> FaceKey {
 }
 
 /// Index of the tetrahedron of a packed face, and which of its faces it is.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the low 32 bits are the packed index"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "the low 32 bits are the packed index")]
 fn tet_and_face(key: FaceKey) -> (u32, usize) {
     let tet_face = key as u32;
     (tet_face / 4, (tet_face % 4) as usize)
@@ -121,9 +118,7 @@ impl Surface {
     fn find_edges(&mut self, tets: &[[u32; 4]], faces: &[FaceKey]) {
         let mut sides: Vec<([u32; 2], u32)> = (0_u32..)
             .zip(&self.triangles)
-            .flat_map(|(t, &[a, b, c])| {
-                [[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], t))
-            })
+            .flat_map(|(t, &[a, b, c])| [[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], t)))
             .collect();
         sides.par_sort_unstable();
         for group in sides.chunk_by(|a, b| a.0 == b.0) {
@@ -150,9 +145,10 @@ impl Surface {
             let corners = self.triangles[triangle as usize];
             let tet = self.triangle_tet[triangle as usize];
             let end = lookup.other_end_of_fan(nodes, corners, tet);
-            let partner = group.iter().map(|side| side.1).find(|&other| {
-                end.is_some_and(|end| same_nodes(self.triangles[other as usize], end))
-            });
+            let partner = group
+                .iter()
+                .map(|side| side.1)
+                .find(|&other| end.is_some_and(|end| same_nodes(self.triangles[other as usize], end)));
             match partner {
                 Some(other) if other > triangle => self.push_edge(nodes, [triangle, other]),
                 Some(other) if other < triangle => {}
@@ -171,18 +167,11 @@ struct FaceLookup<'a> {
 impl FaceLookup<'_> {
     /// Walks from boundary triangle `triangle` of `tet` around `edge` through the solid; returns
     /// the boundary triangle where the walk ends, or `None` in an unsound mesh.
-    fn other_end_of_fan(
-        &self,
-        edge: [u32; 2],
-        triangle: [u32; 3],
-        mut tet: u32,
-    ) -> Option<[u32; 3]> {
+    fn other_end_of_fan(&self, edge: [u32; 2], triangle: [u32; 3], mut tet: u32) -> Option<[u32; 3]> {
         let mut apex = triangle.into_iter().find(|n| !edge.contains(n))?;
         for _ in 0..self.tets.len() {
             let corners = self.tets[tet as usize];
-            apex = corners
-                .into_iter()
-                .find(|n| !edge.contains(n) && *n != apex)?;
+            apex = corners.into_iter().find(|n| !edge.contains(n) && *n != apex)?;
             let face = [edge[0], edge[1], apex];
             match self.neighbour(face, tet) {
                 Some(next) => tet = next,
@@ -246,10 +235,7 @@ impl NodeTets {
                 *slot += 1;
             }
         }
-        Self {
-            offsets,
-            tets: rows,
-        }
+        Self { offsets, tets: rows }
     }
 
     /// The tetrahedra at `node`, ascending.
@@ -294,10 +280,7 @@ impl Pieces {
         Self::numbered(&mut sets, mesh.tets.len(), |tet| mesh.tets[tet as usize][0])
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "meshes hold fewer than 2^32 tetrahedra"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "meshes hold fewer than 2^32 tetrahedra")]
     fn numbered(sets: &mut DisjointSets, tet_count: usize, member_of: impl Fn(u32) -> u32) -> Self {
         let mut piece_of_root = vec![u32::MAX; sets.parent.len()];
         let mut count = 0;
@@ -311,10 +294,7 @@ impl Pieces {
                 *piece
             })
             .collect();
-        Self {
-            count: count as usize,
-            of_tet,
-        }
+        Self { count: count as usize, of_tet }
     }
 }
 
@@ -325,9 +305,7 @@ struct DisjointSets {
 
 impl DisjointSets {
     fn new(count: usize) -> Self {
-        Self {
-            parent: (0_u32..).take(count).collect(),
-        }
+        Self { parent: (0_u32..).take(count).collect() }
     }
 
     fn root(&mut self, mut member: u32) -> u32 {
@@ -354,10 +332,7 @@ mod tests {
 
     /// Six tetrahedra around the edge 0-1; nodes 2..=7 form a ring about it.
     fn fan(segments: &[u32]) -> Vec<[u32; 4]> {
-        segments
-            .iter()
-            .map(|&s| [0, 1, 2 + s, 2 + (s + 1) % 6])
-            .collect()
+        segments.iter().map(|&s| [0, 1, 2 + s, 2 + (s + 1) % 6]).collect()
     }
 
     #[test]
@@ -401,11 +376,7 @@ mod tests {
             .filter(|e| e.nodes == [0, 1])
             .map(|e| e.triangles.map(|t| surface.triangle_tet[t as usize]))
             .collect();
-        assert_eq!(
-            axis,
-            [[0, 1], [2, 3]],
-            "pairs bound one wedge of solid each"
-        );
+        assert_eq!(axis, [[0, 1], [2, 3]], "pairs bound one wedge of solid each");
     }
 
     #[test]

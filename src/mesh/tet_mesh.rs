@@ -22,12 +22,7 @@ impl TetMesh {
     #[must_use]
     pub fn with_one_region(nodes_m: Vec<DVec3>, tets: Vec<[u32; 4]>) -> Self {
         let regions = vec![0; tets.len()];
-        Self {
-            nodes_m,
-            tets,
-            regions,
-            region_names: vec!["all".to_owned()],
-        }
+        Self { nodes_m, tets, regions, region_names: vec!["all".to_owned()] }
     }
 
     /// The four corner positions of tetrahedron `index`, metres.
@@ -39,20 +34,14 @@ impl TetMesh {
     /// Sum of the tetrahedra's volumes, cubic metres.
     #[must_use]
     pub fn volume_m3(&self) -> f64 {
-        (0..self.tets.len())
-            .map(|index| signed_volume_m3(&self.corners_m(index)))
-            .sum()
+        (0..self.tets.len()).map(|index| signed_volume_m3(&self.corners_m(index))).sum()
     }
 
     /// Smallest and largest coordinates over all nodes, metres; `None` without nodes.
     #[must_use]
     pub fn bounds_m(&self) -> Option<(DVec3, DVec3)> {
         let first = *self.nodes_m.first()?;
-        Some(
-            self.nodes_m
-                .iter()
-                .fold((first, first), |(low, high), &x| (low.min(x), high.max(x))),
-        )
+        Some(self.nodes_m.iter().fold((first, first), |(low, high), &x| (low.min(x), high.max(x))))
     }
 }
 

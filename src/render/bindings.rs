@@ -29,19 +29,11 @@ pub(crate) fn depth_texture() -> BindingType {
 }
 
 fn sampled(sample_type: wgpu::TextureSampleType) -> BindingType {
-    BindingType::Texture {
-        sample_type,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    }
+    BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled: false }
 }
 
 /// A layout with one entry for each type, numbered from zero, for both shader stages.
-pub(crate) fn layout(
-    device: &wgpu::Device,
-    label: &str,
-    types: &[BindingType],
-) -> wgpu::BindGroupLayout {
+pub(crate) fn layout(device: &wgpu::Device, label: &str, types: &[BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = (0..)
         .zip(types)
         .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
@@ -51,10 +43,8 @@ pub(crate) fn layout(
             count: None,
         })
         .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(label),
-        entries: &entries,
-    })
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
 /// A bind group of a layout made by [`layout`].
@@ -65,16 +55,9 @@ pub(crate) fn group(
 ) -> wgpu::BindGroup {
     let entries: Vec<_> = (0..)
         .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding,
-            resource: resource.clone(),
-        })
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
         .collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout,
-        entries: &entries,
-    })
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
 /// A uniform buffer that holds a `T`.
@@ -165,10 +148,7 @@ impl<'a> PipelineParts<'a> {
                 ..Default::default()
             },
             depth_stencil: self.depth,
-            multisample: wgpu::MultisampleState {
-                count: self.samples,
-                ..Default::default()
-            },
+            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
             fragment: self.fragment.map(|(entry, _)| wgpu::FragmentState {
                 module: self.shader,
                 entry_point: Some(entry),
@@ -201,11 +181,7 @@ pub(crate) fn render_texture(
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,

@@ -114,22 +114,14 @@ impl FromStr for NamedView {
         Self::ALL
             .into_iter()
             .find(|view| view.name() == wanted)
-            .ok_or_else(|| UnknownView {
-                given: text.to_owned(),
-            })
+            .ok_or_else(|| UnknownView { given: text.to_owned() })
     }
 }
 
 impl Default for Camera {
     fn default() -> Self {
         let (yaw_rad, pitch_rad) = NamedView::default().angles_rad();
-        Self {
-            target_m: Vec3::ZERO,
-            distance_m: 5.0,
-            yaw_rad,
-            pitch_rad,
-            fov_y_rad: DEFAULT_FOV_Y_RAD,
-        }
+        Self { target_m: Vec3::ZERO, distance_m: 5.0, yaw_rad, pitch_rad, fov_y_rad: DEFAULT_FOV_Y_RAD }
     }
 }
 
@@ -148,17 +140,8 @@ impl Camera {
     /// `aspect` is width over height; `margin` is the share of the picture left free at each
     /// side, from 0 to below 0.5.
     #[must_use]
-    pub fn framing(
-        points_m: &[Vec3],
-        (yaw_rad, pitch_rad): (f32, f32),
-        aspect: f32,
-        margin: f32,
-    ) -> Self {
-        let mut camera = Self {
-            yaw_rad,
-            pitch_rad,
-            ..Self::default()
-        };
+    pub fn framing(points_m: &[Vec3], (yaw_rad, pitch_rad): (f32, f32), aspect: f32, margin: f32) -> Self {
+        let mut camera = Self { yaw_rad, pitch_rad, ..Self::default() };
         camera.fit(points_m, aspect, margin);
         camera
     }
@@ -170,16 +153,13 @@ impl Camera {
         let slope_y = (0.5 * self.fov_y_rad).tan() * (1.0 - 2.0 * margin.clamp(0.0, 0.45));
         let slope_x = slope_y * aspect.max(1e-3);
         let along = |axis: Vec3| points_m.iter().map(move |p| (p.dot(axis), p.dot(back)));
-        let (Some((x, eye_x)), Some((y, eye_y))) = (
-            fit_axis(along(right), slope_x),
-            fit_axis(along(up), slope_y),
-        ) else {
+        let (Some((x, eye_x)), Some((y, eye_y))) =
+            (fit_axis(along(right), slope_x), fit_axis(along(up), slope_y))
+        else {
             return;
         };
         let nearest = points_m.iter().map(|p| p.dot(back));
-        let (low, high) = nearest.fold((f32::MAX, f32::MIN), |(low, high), z| {
-            (low.min(z), high.max(z))
-        });
+        let (low, high) = nearest.fold((f32::MAX, f32::MIN), |(low, high), z| (low.min(z), high.max(z)));
         let middle = 0.5 * (low + high);
         self.target_m = right * x + up * y + back * middle;
         self.distance_m = (eye_x.max(eye_y) - middle).max(1e-3);
@@ -207,13 +187,7 @@ impl Camera {
     pub fn camera_from_world(&self) -> Mat4 {
         let [right, up, back] = self.axes();
         let eye = self.eye_m();
-        Mat4::from_cols(
-            right.extend(0.0),
-            up.extend(0.0),
-            back.extend(0.0),
-            eye.extend(1.0),
-        )
-        .inverse()
+        Mat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), eye.extend(1.0)).inverse()
     }
 
     /// Clip coordinates from world ones; depth is 1 at the near plane and 0 at infinity, which
@@ -221,8 +195,7 @@ impl Camera {
     #[must_use]
     pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
         let near_m = (self.distance_m * 0.01).max(1e-6);
-        perspective_infinite_reverse(self.fov_y_rad, aspect.max(1e-3), near_m)
-            * self.camera_from_world()
+        perspective_infinite_reverse(self.fov_y_rad, aspect.max(1e-3), near_m) * self.camera_from_world()
     }
 
     /// The ray through a point of the picture: `position` from (0, 0), the upper left corner,
@@ -233,10 +206,7 @@ impl Camera {
         let slope_y = (0.5 * self.fov_y_rad).tan();
         let x = (2.0 * position.x - 1.0) * slope_y * aspect;
         let y = (1.0 - 2.0 * position.y) * slope_y;
-        Ray {
-            origin_m: self.eye_m(),
-            direction: (right * x + up * y - back).normalize(),
-        }
+        Ray { origin_m: self.eye_m(), direction: (right * x + up * y - back).normalize() }
     }
 
     /// Where a world point lies in the picture, (0, 0) to (1, 1) inside it; `None` behind the
@@ -292,11 +262,7 @@ mod tests {
 
     #[test]
     fn front_view_has_x_right_and_z_up() {
-        let camera = Camera {
-            yaw_rad: 0.0,
-            pitch_rad: 0.0,
-            ..Camera::default()
-        };
+        let camera = Camera { yaw_rad: 0.0, pitch_rad: 0.0, ..Camera::default() };
         let at = |p| camera.picture_position(p, ASPECT).unwrap();
         assert!((at(Vec3::ZERO) - Vec2::splat(0.5)).length() < 1e-5);
         assert!(at(Vec3::X).x > 0.6);

@@ -96,11 +96,7 @@ fn linear_from_oklab([l, a, b]: [f32; 3]) -> [f32; 3] {
 #[must_use]
 pub fn srgb_from_linear(linear: f32) -> f32 {
     let linear = linear.clamp(0.0, 1.0);
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// A channel 0..1 as a byte, rounded and clamped.
@@ -114,11 +110,7 @@ mod tests {
     use super::*;
 
     fn linear_from_srgb(srgb: f32) -> f32 {
-        if srgb <= 0.040_45 {
-            srgb / 12.92
-        } else {
-            ((srgb + 0.055) / 1.055).powf(2.4)
-        }
+        if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
     }
 
     fn luminance([r, g, b]: [f32; 3]) -> f32 {

@@ -30,11 +30,7 @@ impl ComposePass {
         let layout = bindings::layout(device, "compose pass", &types);
         let shader = bindings::shader(device, "compose pass", WGSL);
         let layouts = [&layout];
-        let entry = if target_format.is_srgb() {
-            "linear_fragment"
-        } else {
-            "fragment"
-        };
+        let entry = if target_format.is_srgb() { "linear_fragment" } else { "fragment" };
         let parts = PipelineParts {
             fragment: Some((entry, target_format)),
             ..PipelineParts::full_screen("compose pass", &shader, &layouts, target_format)
@@ -50,11 +46,7 @@ impl ComposePass {
         let texture = |label, format, sample_count, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
-                size: wgpu::Extent3d {
-                    width: size_px[0],
-                    height: size_px[1],
-                    depth_or_array_layers: 1,
-                },
+                size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
                 mip_level_count: 1,
                 sample_count,
                 dimension: wgpu::TextureDimension::D2,
@@ -68,10 +60,7 @@ impl ComposePass {
         let depth = texture("scene depth", DEPTH_FORMAT, SAMPLES, none);
         let resolved = texture("scene", SCENE_FORMAT, 1, TextureUsages::TEXTURE_BINDING);
         let resolved = bindings::whole(&resolved);
-        let resources = [
-            BindingResource::TextureView(&resolved),
-            self.placement.as_entire_binding(),
-        ];
+        let resources = [BindingResource::TextureView(&resolved), self.placement.as_entire_binding()];
         SceneTextures {
             size_px,
             color: bindings::whole(&color),

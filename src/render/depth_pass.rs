@@ -38,10 +38,7 @@ impl DepthPass {
             cull: None,
             samples: 1,
         };
-        Self {
-            pipeline: pipeline.build(device),
-            layout,
-        }
+        Self { pipeline: pipeline.build(device), layout }
     }
 
     pub fn new_map(&self, device: &wgpu::Device, label: &str, side_px: u32) -> DepthMap {
@@ -84,11 +81,7 @@ impl DepthPass {
 
 impl DepthMap {
     pub fn set_matrix(&self, queue: &wgpu::Queue, clip_from_world: Mat4) {
-        queue.write_buffer(
-            &self.matrix,
-            0,
-            bytemuck::bytes_of(&clip_from_world.to_cols_array()),
-        );
+        queue.write_buffer(&self.matrix, 0, bytemuck::bytes_of(&clip_from_world.to_cols_array()));
     }
 }
 

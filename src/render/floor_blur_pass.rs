@@ -16,16 +16,10 @@ pub(crate) struct FloorBlurPass {
 
 impl FloorBlurPass {
     pub fn new(device: &wgpu::Device, rough: &wgpu::TextureView) -> Self {
-        let types = [
-            bindings::texture(),
-            BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-        ];
+        let types = [bindings::texture(), BindingType::Sampler(wgpu::SamplerBindingType::Filtering)];
         let layout = bindings::layout(device, "floor blur pass", &types);
         let sampler = bindings::linear_sampler(device);
-        let resources = [
-            BindingResource::TextureView(rough),
-            BindingResource::Sampler(&sampler),
-        ];
+        let resources = [BindingResource::TextureView(rough), BindingResource::Sampler(&sampler)];
         let shader = bindings::shader(device, "floor blur pass", WGSL);
         let layouts = [&layout];
         let parts = PipelineParts::full_screen("floor blur pass", &shader, &layouts, FORMAT);

@@ -19,12 +19,7 @@ pub(crate) struct FloorLightPass {
 }
 
 impl FloorLightPass {
-    pub fn new(
-        device: &wgpu::Device,
-        frame: &FrameBinding,
-        maps: [&DepthMap; 2],
-        side_px: u32,
-    ) -> Self {
+    pub fn new(device: &wgpu::Device, frame: &FrameBinding, maps: [&DepthMap; 2], side_px: u32) -> Self {
         let types = [bindings::depth_texture(); 2];
         let layout = bindings::layout(device, "floor light pass", &types);
         let shader = bindings::shader(device, "floor light pass", &with_prelude(WGSL));
@@ -34,11 +29,7 @@ impl FloorLightPass {
         Self {
             map: bindings::whole(&texture),
             pipeline: parts.build(device),
-            group: bindings::group(
-                device,
-                &layout,
-                &maps.map(|map| BindingResource::TextureView(&map.view)),
-            ),
+            group: bindings::group(device, &layout, &maps.map(|map| BindingResource::TextureView(&map.view))),
         }
     }
 

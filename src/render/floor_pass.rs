@@ -15,16 +15,10 @@ pub(crate) struct FloorPass {
 
 impl FloorPass {
     pub fn new(device: &wgpu::Device, frame: &FrameBinding, light: &wgpu::TextureView) -> Self {
-        let types = [
-            bindings::texture(),
-            BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-        ];
+        let types = [bindings::texture(), BindingType::Sampler(wgpu::SamplerBindingType::Filtering)];
         let layout = bindings::layout(device, "floor pass", &types);
         let sampler = bindings::linear_sampler(device);
-        let resources = [
-            BindingResource::TextureView(light),
-            BindingResource::Sampler(&sampler),
-        ];
+        let resources = [BindingResource::TextureView(light), BindingResource::Sampler(&sampler)];
         let shader = bindings::shader(device, "floor pass", &with_prelude(WGSL));
         let layouts = [&frame.layout, &layout];
         let floor = PipelineParts {

@@ -52,11 +52,7 @@ impl FrameBinding {
         let layout = bindings::layout(device, "frame uniforms", &[bindings::uniform()]);
         let buffer = bindings::uniform_buffer::<FrameUniforms>(device, "frame uniforms");
         let group = bindings::group(device, &layout, &[buffer.as_entire_binding()]);
-        Self {
-            layout,
-            group,
-            buffer,
-        }
+        Self { layout, group, buffer }
     }
 
     pub fn write(&self, queue: &wgpu::Queue, uniforms: &FrameUniforms) {
@@ -77,12 +73,8 @@ mod tests {
     fn wgsl_members() -> (Vec<(String, u32)>, u32) {
         let module = naga::front::wgsl::parse_str(PRELUDE).expect("the prelude parses");
         let found = module.types.iter().find_map(|(_, ty)| match &ty.inner {
-            naga::TypeInner::Struct { members, span }
-                if ty.name.as_deref() == Some("FrameUniforms") =>
-            {
-                let names = members
-                    .iter()
-                    .map(|m| (m.name.clone().unwrap_or_default(), m.offset));
+            naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some("FrameUniforms") => {
+                let names = members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset));
                 Some((names.collect(), *span))
             }
             _ => None,

@@ -91,17 +91,11 @@ impl Framing {
         let ground = self.fixed.iter().filter(|body| self.is_ground(body));
         let highest = ground.max_by(|a, b| a.bounds.1.z.total_cmp(&b.bounds.1.z));
         if let Some(body) = highest {
-            return Some(Floor {
-                height_m: body.bounds.1.z,
-                replaces: Some(body.index),
-            });
+            return Some(Floor { height_m: body.bounds.1.z, replaces: Some(body.index) });
         }
         let fixed = self.fixed.iter().map(|body| body.bounds);
         let (low, _) = fixed.chain(self.moving).reduce(union)?;
-        Some(Floor {
-            height_m: low.z,
-            replaces: None,
-        })
+        Some(Floor { height_m: low.z, replaces: None })
     }
 
     fn is_ground(&self, body: &FixedBody) -> bool {
@@ -110,10 +104,8 @@ impl Framing {
         };
         let size = (high - low).max_element();
         let (fixed_low, fixed_high) = body.bounds;
-        let reaches_under = fixed_low.x <= low.x
-            && fixed_low.y <= low.y
-            && fixed_high.x >= high.x
-            && fixed_high.y >= high.y;
+        let reaches_under =
+            fixed_low.x <= low.x && fixed_low.y <= low.y && fixed_high.x >= high.x && fixed_high.y >= high.y;
         body.is_level_slab && reaches_under && fixed_high.z <= low.z + 0.02 * size
     }
 
@@ -126,11 +118,7 @@ impl Framing {
             return fixed.collect();
         };
         let limit = widened(last, LONGEST_FLIGHT);
-        let mut shown: Vec<Vec3> = self
-            .extremes
-            .iter()
-            .map(|p| p.clamp(limit.0, limit.1))
-            .collect();
+        let mut shown: Vec<Vec3> = self.extremes.iter().map(|p| p.clamp(limit.0, limit.1)).collect();
         let is_floor = |body: &&FixedBody| floor.and_then(|f| f.replaces) == Some(body.index);
         let near = widened(last, LARGEST_FIXED);
         for body in self.fixed.iter().filter(|body| !is_floor(body)) {
@@ -182,11 +170,7 @@ fn fixed_bodies(frame: &Frame) -> Vec<FixedBody> {
         .filter(|(_, body)| body.role == BodyRole::Fixed)
         .filter_map(|(index, body)| {
             let bounds = bounds_of(body)?;
-            Some(FixedBody {
-                index,
-                bounds,
-                is_level_slab: is_level_slab(body, bounds),
-            })
+            Some(FixedBody { index, bounds, is_level_slab: is_level_slab(body, bounds) })
         })
         .collect()
 }
@@ -195,11 +179,7 @@ fn fixed_bodies(frame: &Frame) -> Vec<FixedBody> {
 /// height cover the footprint.
 fn is_level_slab(body: &BodyFrame, (low, high): Bounds) -> bool {
     let tolerance = 1e-4 * longest_side((low, high));
-    let at = |corner: u32| {
-        body.positions_m
-            .get(corner as usize)
-            .map(|p| Vec3::from(*p))
-    };
+    let at = |corner: u32| body.positions_m.get(corner as usize).map(|p| Vec3::from(*p));
     let mut covered_m2 = 0.0;
     for triangle in &body.surface.triangles {
         let [Some(a), Some(b), Some(c)] = triangle.map(at) else {
@@ -227,10 +207,7 @@ fn union(a: Bounds, b: Bounds) -> Bounds {
 }
 
 fn clipped(bounds: Bounds, limit: Bounds) -> Bounds {
-    (
-        bounds.0.clamp(limit.0, limit.1),
-        bounds.1.clamp(limit.0, limit.1),
-    )
+    (bounds.0.clamp(limit.0, limit.1), bounds.1.clamp(limit.0, limit.1))
 }
 
 /// The box grown on every side by a multiple of its longest side.
@@ -263,19 +240,12 @@ mod tests {
     }
 
     fn frame(bodies: Vec<BodyFrame>) -> Frame {
-        Frame {
-            bodies,
-            ..Default::default()
-        }
+        Frame { bodies, ..Default::default() }
     }
 
     #[test]
     fn large_level_body_below_becomes_the_floor() {
-        let ground = slab(
-            BodyRole::Fixed,
-            Vec3::new(-5.0, -5.0, -0.2),
-            Vec3::new(5.0, 5.0, 0.1),
-        );
+        let ground = slab(BodyRole::Fixed, Vec3::new(-5.0, -5.0, -0.2), Vec3::new(5.0, 5.0, 0.1));
         let cube = slab(BodyRole::Deformable, Vec3::splat(0.5), Vec3::splat(1.5));
         let floor = Framing::of(&frame(vec![cube, ground])).floor().unwrap();
         assert_eq!((floor.height_m, floor.replaces), (0.1, Some(1)));
@@ -291,17 +261,9 @@ mod tests {
 
     #[test]
     fn body_that_falls_past_the_slab_unmakes_the_floor() {
-        let table = slab(
-            BodyRole::Fixed,
-            Vec3::new(-2.0, -2.0, -0.2),
-            Vec3::new(2.0, 2.0, 0.0),
-        );
+        let table = slab(BodyRole::Fixed, Vec3::new(-2.0, -2.0, -0.2), Vec3::new(2.0, 2.0, 0.0));
         let above = slab(BodyRole::Deformable, Vec3::splat(0.1), Vec3::splat(0.6));
-        let below = slab(
-            BodyRole::Deformable,
-            Vec3::new(2.1, 0.0, -1.0),
-            Vec3::new(2.6, 0.5, -0.5),
-        );
+        let below = slab(BodyRole::Deformable, Vec3::new(2.1, 0.0, -1.0), Vec3::new(2.6, 0.5, -0.5));
         let mut framing = Framing::of(&frame(vec![table.clone(), above]));
         assert!(framing.floor().unwrap().replaces.is_some());
         framing.include(&frame(vec![table, below]));

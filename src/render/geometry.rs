@@ -70,17 +70,11 @@ impl GeometryBuilder {
     /// The triangles of all bodies but the `hidden` one (an index into the frame's bodies).
     pub fn build(&mut self, frame: &Frame, hidden: Option<usize>, coloring: Coloring) -> &Geometry {
         self.update_topologies(frame);
-        let drawn =
-            |index: usize| Some(index) != hidden && self.topologies[index].fits(frame, index);
+        let drawn = |index: usize| Some(index) != hidden && self.topologies[index].fits(frame, index);
         let shown: Vec<usize> = (0..frame.bodies.len()).filter(|i| drawn(*i)).collect();
 
-        let corners: usize = shown
-            .iter()
-            .map(|i| 3 * frame.bodies[*i].surface.triangles.len())
-            .sum();
-        self.geometry
-            .vertices
-            .resize(corners, SurfaceVertex::default());
+        let corners: usize = shown.iter().map(|i| 3 * frame.bodies[*i].surface.triangles.len()).sum();
+        self.geometry.vertices.resize(corners, SurfaceVertex::default());
         let mut rest = self.geometry.vertices.as_mut_slice();
         for &index in &shown {
             let body = Painter::new(&frame.bodies[index], index, coloring);
@@ -140,12 +134,7 @@ impl CachedTopology {
             triangles[*slot as usize] = corner as u32 / 3;
             *slot += 1;
         }
-        Self {
-            surface: Arc::clone(surface),
-            starts,
-            triangles,
-            face_normals: Vec::new(),
-        }
+        Self { surface: Arc::clone(surface), starts, triangles, face_normals: Vec::new() }
     }
 
     /// Whether the body has all the vertices its triangles name; if not, it is left out.
@@ -215,9 +204,7 @@ impl<'a> Painter<'a> {
     fn fill(&self, topology: &mut CachedTopology, corners: &mut [SurfaceVertex]) {
         let triangles = &self.frame.surface.triangles;
         topology.face_normals.clear();
-        topology
-            .face_normals
-            .extend(triangles.iter().map(|t| self.face_normal(*t)));
+        topology.face_normals.extend(triangles.iter().map(|t| self.face_normal(*t)));
         let topology = &*topology;
         // Small bodies are not worth another thread's waking.
         let chunks = corners.par_chunks_mut(3).with_min_len(4096);
@@ -225,10 +212,7 @@ impl<'a> Painter<'a> {
             let color_and_gloss = self.color_and_gloss(triangle);
             let crack = i16::from(topology.is_crack(triangle)) * i16::MAX;
             for (corner, &vertex) in corners.iter_mut().zip(&triangles[triangle]) {
-                let [x, y, z] = topology
-                    .corner_normal(triangle, vertex)
-                    .to_array()
-                    .map(to_signed_normalized);
+                let [x, y, z] = topology.corner_normal(triangle, vertex).to_array().map(to_signed_normalized);
                 *corner = SurfaceVertex {
                     position_m: self.frame.positions_m[vertex as usize],
                     normal_and_crack: [x, y, z, crack],
@@ -292,18 +276,13 @@ fn points(body: &BodyFrame) -> impl Iterator<Item = Vec3> + '_ {
 
 fn bounds_m(frame: &Frame, shown: &[usize]) -> Option<(Vec3, Vec3)> {
     let points = shown.iter().flat_map(|i| points(&frame.bodies[*i]));
-    points
-        .map(|p| (p, p))
-        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    points.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 fn largest_radius_m(frame: &Frame, shown: &[usize]) -> f32 {
     let largest = |only_moving: bool| {
         let bodies = shown.iter().map(|i| &frame.bodies[*i]);
-        bodies
-            .filter(|body| !only_moving || body.role != BodyRole::Fixed)
-            .map(radius_m)
-            .fold(0.0, f32::max)
+        bodies.filter(|body| !only_moving || body.role != BodyRole::Fixed).map(radius_m).fold(0.0, f32::max)
     };
     let moving = largest(true);
     if moving > 0.0 { moving } else { largest(false) }
@@ -323,19 +302,11 @@ mod tests {
     /// Two unit triangles that share the edge from the origin along y and meet at an angle.
     fn hinge(angle_deg: f32) -> Frame {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
-        let surface = SurfaceTopology {
-            triangles: vec![[0, 1, 2], [0, 3, 1]],
-            ..Default::default()
-        };
+        let surface = SurfaceTopology { triangles: vec![[0, 1, 2], [0, 3, 1]], ..Default::default() };
         Frame {
             bodies: vec![BodyFrame {
                 surface: Arc::new(surface),
-                positions_m: vec![
-                    [0.0, 0.0, 0.0],
-                    [0.0, 1.0, 0.0],
-                    [-1.0, 0.0, 0.0],
-                    [cos, 0.0, -sin],
-                ],
+                positions_m: vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [cos, 0.0, -sin]],
                 ..Default::default()
             }],
             ..Default::default()
@@ -343,13 +314,7 @@ mod tests {
     }
 
     fn coloring(color_by: ColorBy) -> Coloring {
-        Coloring {
-            color_by,
-            range: Range {
-                low: 0.0,
-                high: 2.0,
-            },
-        }
+        Coloring { color_by, range: Range { low: 0.0, high: 2.0 } }
     }
 
     fn normals_along_hinge(frame: &Frame) -> [[i16; 4]; 2] {

@@ -8,9 +8,8 @@ use thiserror::Error;
 pub const ADAPTER_VARIABLE: &str = "HAMMERFALL_GPU";
 
 /// Backends this program is built with on some platform.
-const BACKENDS: wgpu::Backends = wgpu::Backends::VULKAN
-    .union(wgpu::Backends::METAL)
-    .union(wgpu::Backends::DX12);
+const BACKENDS: wgpu::Backends =
+    wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 
 /// Why nothing can be drawn.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -27,9 +26,7 @@ pub enum GpuError {
         reason: String,
     },
     /// The device ran out of memory.
-    #[error(
-        "the graphics device ran out of memory; make the picture smaller or close other programs"
-    )]
+    #[error("the graphics device ran out of memory; make the picture smaller or close other programs")]
     OutOfMemory,
     /// The device went away while drawing.
     #[error("the graphics device was lost ({0}); start again, or set {ADAPTER_VARIABLE}=software")]
@@ -106,11 +103,7 @@ impl AdapterChoice {
         match self {
             Self::Fastest => Some(speed_rank(info.device_type)),
             Self::Software => is_software.then_some(0),
-            Self::Named(part) => info
-                .name
-                .to_lowercase()
-                .contains(&part.to_lowercase())
-                .then_some(0),
+            Self::Named(part) => info.name.to_lowercase().contains(&part.to_lowercase()).then_some(0),
         }
     }
 }
@@ -150,10 +143,7 @@ impl FaultSlot {
     }
 
     fn get(&self) -> Option<GpuError> {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
@@ -191,10 +181,7 @@ impl Gpu {
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] and [`GpuError::NoDevice`].
-    pub fn for_surface(
-        instance: &wgpu::Instance,
-        surface: &wgpu::Surface<'_>,
-    ) -> Result<Self, GpuError> {
+    pub fn for_surface(instance: &wgpu::Instance, surface: &wgpu::Surface<'_>) -> Result<Self, GpuError> {
         let choice = AdapterChoice::from_env_or(AdapterChoice::Fastest);
         Self::open(instance, Some(surface), &choice)
     }
@@ -211,18 +198,10 @@ impl Gpu {
             required_limits: needed_limits(&adapter.limits()),
             ..Default::default()
         });
-        let (device, queue) = pollster::block_on(request).map_err(|error| GpuError::NoDevice {
-            adapter: info.name.clone(),
-            reason: error.to_string(),
-        })?;
+        let (device, queue) = pollster::block_on(request)
+            .map_err(|error| GpuError::NoDevice { adapter: info.name.clone(), reason: error.to_string() })?;
         let fault = watch_faults(&device);
-        Ok(Self {
-            adapter,
-            device,
-            queue,
-            info,
-            fault,
-        })
+        Ok(Self { adapter, device, queue, info, fault })
     }
 
     /// What went wrong on the device since it was opened, if anything.
@@ -242,12 +221,7 @@ impl Gpu {
         if (1..=limit).contains(&width) && (1..=limit).contains(&height) {
             return Ok(());
         }
-        Err(GpuError::BadSize {
-            width,
-            height,
-            limit,
-            adapter: self.info.name.clone(),
-        })
+        Err(GpuError::BadSize { width, height, limit, adapter: self.info.name.clone() })
     }
 }
 
@@ -290,10 +264,7 @@ fn choose_adapter(
         .filter_map(|adapter| {
             let info = adapter.get_info();
             let rank = choice.rank(&info)?;
-            Some((
-                (rank, info.name, info.driver, info.device_pci_bus_id),
-                adapter,
-            ))
+            Some(((rank, info.name, info.driver, info.device_pci_bus_id), adapter))
         })
         .min_by(|a, b| a.0.cmp(&b.0))
         .map(|(_, adapter)| adapter)
@@ -306,11 +277,7 @@ fn no_adapter_message(choice: &AdapterChoice, found: &[String]) -> String {
         AdapterChoice::Software => "no software graphics driver was found".into(),
         AdapterChoice::Named(name) => format!("no graphics adapter is called '{name}'"),
     };
-    let others = if found.is_empty() {
-        String::new()
-    } else {
-        format!("; there is: {}", found.join(", "))
-    };
+    let others = if found.is_empty() { String::new() } else { format!("; there is: {}", found.join(", ")) };
     format!("{wish}{others}.\n{INSTALL_HINT}")
 }
 
@@ -343,20 +310,14 @@ mod tests {
     fn unmatched_wish_lists_what_there_is() {
         let wish = AdapterChoice::Named("voodoo".into());
         let text = no_adapter_message(&wish, &["llvmpipe".into()]);
-        assert!(
-            text.contains("'voodoo'") && text.contains("there is: llvmpipe"),
-            "{text}"
-        );
+        assert!(text.contains("'voodoo'") && text.contains("there is: llvmpipe"), "{text}");
     }
 
     #[test]
     fn environment_words_are_understood() {
         assert_eq!(AdapterChoice::parse("Software"), AdapterChoice::Software);
         assert_eq!(AdapterChoice::parse("auto"), AdapterChoice::Fastest);
-        assert_eq!(
-            AdapterChoice::parse("Arc"),
-            AdapterChoice::Named("arc".into())
-        );
+        assert_eq!(AdapterChoice::parse("Arc"), AdapterChoice::Named("arc".into()));
     }
 
     #[test]

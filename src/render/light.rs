@@ -54,11 +54,7 @@ impl ShadowFit {
         let scale = Vec3::new(2.0 / side_m, 2.0 / side_m, -1.0 / depth_m);
         let shift = Vec3::new(-snapped.x * scale.x, -snapped.y * scale.y, near_m / depth_m);
         let clip_from_light = Mat4::from_translation(shift) * Mat4::from_scale(scale);
-        Self {
-            shadow_from_world: clip_from_light * Mat4::from_mat3(light_from_world),
-            side_m,
-            depth_m,
-        }
+        Self { shadow_from_world: clip_from_light * Mat4::from_mat3(light_from_world), side_m, depth_m }
     }
 }
 
@@ -74,23 +70,14 @@ impl FloorFit {
         let low = low_m.truncate() + bottom.min(top).min(Vec2::ZERO) - penumbra;
         let high = high_m.truncate() + bottom.max(top).max(Vec2::ZERO) + penumbra;
         let side_m = stepped((high - low).max_element().max(1e-4));
-        Self {
-            low_m: 0.5 * (low + high) - 0.5 * side_m,
-            side_m,
-            height_m,
-            reach_m,
-        }
+        Self { low_m: 0.5 * (low + high) - 0.5 * side_m, side_m, height_m, reach_m }
     }
 
     /// Clip coordinates of the map of heights above the floor (depth 0 a little below the
     /// floor, 1 at `reach_m` above it) from world ones.
     #[must_use]
     pub fn heights_from_world(&self) -> Mat4 {
-        let scale = Vec3::new(
-            2.0 / self.side_m,
-            2.0 / self.side_m,
-            1.0 / (1.1 * self.reach_m),
-        );
+        let scale = Vec3::new(2.0 / self.side_m, 2.0 / self.side_m, 1.0 / (1.1 * self.reach_m));
         let center = (self.low_m + 0.5 * self.side_m).extend(self.height_m - 0.1 * self.reach_m);
         Mat4::from_scale(scale) * Mat4::from_translation(-center)
     }
@@ -117,11 +104,7 @@ mod tests {
     fn corners() -> impl Iterator<Item = Vec3> {
         (0..8).map(|i| {
             let pick = |bit: usize, axis: usize| {
-                if i & bit == 0 {
-                    BOX_M.0[axis]
-                } else {
-                    BOX_M.1[axis]
-                }
+                if i & bit == 0 { BOX_M.0[axis] } else { BOX_M.1[axis] }
             };
             Vec3::new(pick(1, 0), pick(2, 1), pick(4, 2))
         })

@@ -99,10 +99,7 @@ mod tests {
         let checked = shaders().map(|(name, _)| name);
         for file in files {
             let path = file.expect("shaders/ can be read").path();
-            let name = path
-                .file_stem()
-                .and_then(|s| s.to_str())
-                .unwrap_or_default();
+            let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
             let known = checked.contains(&name) || name == "frame_uniforms";
             assert!(known, "{name}.wgsl is not validated");
         }

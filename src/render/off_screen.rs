@@ -54,11 +54,7 @@ impl OffScreen {
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let renderer = Renderer::new(gpu, FORMAT);
         gpu.check()?;
-        Ok(Self {
-            gpu: gpu.clone(),
-            renderer,
-            target: None,
-        })
+        Ok(Self { gpu: gpu.clone(), renderer, target: None })
     }
 
     /// Draws one frame at a size in pixels.
@@ -77,8 +73,7 @@ impl OffScreen {
             Some(target) if target.size_px == size_px => target,
             _ => ReadableTarget::new(&self.gpu, size_px)?,
         };
-        self.renderer
-            .render(Target::whole(&target.view), frame, camera, view)?;
+        self.renderer.render(Target::whole(&target.view), frame, camera, view)?;
         let picture = target.read(&self.gpu)?;
         self.target = Some(target);
         Ok(picture)
@@ -129,16 +124,13 @@ impl ReadableTarget {
     fn read(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
         let submission = self.copy(gpu);
         let (sender, receiver) = mpsc::channel();
-        self.buffer
-            .slice(..)
-            .map_async(wgpu::MapMode::Read, move |result| {
-                // The receiver is gone only if waiting failed, which is reported there.
-                let _ = sender.send(result);
-            });
-        let waited = gpu.device.poll(wgpu::PollType::Wait {
-            submission_index: Some(submission),
-            timeout: Some(TIME_LIMIT),
+        self.buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver is gone only if waiting failed, which is reported there.
+            let _ = sender.send(result);
         });
+        let waited = gpu
+            .device
+            .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(TIME_LIMIT) });
         gpu.check()?;
         waited.map_err(|_| GpuError::TimedOut(TIME_LIMIT.as_secs()))?;
         let mapped = receiver.recv_timeout(TIME_LIMIT);
@@ -150,9 +142,7 @@ impl ReadableTarget {
     }
 
     fn copy(&self, gpu: &Gpu) -> wgpu::SubmissionIndex {
-        let mut encoder = gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_texture_to_buffer(
             self.texture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
@@ -171,26 +161,15 @@ impl ReadableTarget {
     fn unpadded(&self) -> Result<Picture, GpuError> {
         let [width, height] = self.size_px;
         let row_bytes = (width * PIXEL_BYTES) as usize;
-        let bytes = self
-            .buffer
-            .get_mapped_range(..)
-            .map_err(|error| GpuError::Other(error.to_string()))?;
+        let bytes = self.buffer.get_mapped_range(..).map_err(|error| GpuError::Other(error.to_string()))?;
         let mut rgba = Vec::with_capacity(row_bytes * height as usize);
         for row in bytes.chunks_exact(self.padded_row_bytes as usize) {
             rgba.extend_from_slice(&row[..row_bytes]);
         }
-        Ok(Picture {
-            width,
-            height,
-            rgba,
-        })
+        Ok(Picture { width, height, rgba })
     }
 }
 
 fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: 1,
-    }
+    wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
 }

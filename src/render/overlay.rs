@@ -52,10 +52,7 @@ impl Overlay {
                 egui_wgpu::RendererOptions::PREDICTABLE,
             ),
             jobs: Vec::new(),
-            screen: egui_wgpu::ScreenDescriptor {
-                size_in_pixels: [1, 1],
-                pixels_per_point: 1.0,
-            },
+            screen: egui_wgpu::ScreenDescriptor { size_in_pixels: [1, 1], pixels_per_point: 1.0 },
         }
     }
 
@@ -69,33 +66,23 @@ impl Overlay {
     ) {
         let pixels_per_point = content.view.pixels_per_point.clamp(0.25, 16.0);
         let points = |[x, y]: [u32; 2]| pos2(x as f32, y as f32) / pixels_per_point;
-        let area = Rect::from_min_size(
-            points(placement.origin_px),
-            points(placement.size_px).to_vec2(),
-        );
+        let area = Rect::from_min_size(points(placement.origin_px), points(placement.size_px).to_vec2());
         let screen = Rect::from_min_max(Pos2::ZERO, points(placement.target_px));
-        let mut output = self
-            .context
-            .run_pass(raw_input(screen, pixels_per_point), |context| {
-                let painter = context.layer_painter(egui::LayerId::background());
-                draw(&painter.with_clip_rect(area), area, content);
-            });
+        let mut output = self.context.run_pass(raw_input(screen, pixels_per_point), |context| {
+            let painter = context.layer_painter(egui::LayerId::background());
+            draw(&painter.with_clip_rect(area), area, content);
+        });
         self.update_textures(gpu, &mut output.textures_delta);
         self.jobs = self.context.tessellate(output.shapes, pixels_per_point);
-        self.screen = egui_wgpu::ScreenDescriptor {
-            size_in_pixels: placement.target_px,
-            pixels_per_point,
-        };
+        self.screen = egui_wgpu::ScreenDescriptor { size_in_pixels: placement.target_px, pixels_per_point };
         // Only paint callbacks return command buffers, and there are none here.
-        self.renderer
-            .update_buffers(&gpu.device, &gpu.queue, encoder, &self.jobs, &self.screen);
+        self.renderer.update_buffers(&gpu.device, &gpu.queue, encoder, &self.jobs, &self.screen);
     }
 
     fn update_textures(&mut self, gpu: &Gpu, delta: &mut egui::TexturesDelta) {
         for (id, images) in delta.set.drain() {
             for image in images {
-                self.renderer
-                    .update_texture(&gpu.device, &gpu.queue, id, &image);
+                self.renderer.update_texture(&gpu.device, &gpu.queue, id, &image);
             }
         }
         for id in delta.free.drain() {
@@ -127,12 +114,7 @@ fn draw(painter: &Painter, area: Rect, content: &OverlayContent<'_>) {
         draw_legend(painter, area, content.view.color_by, range, &theme);
     }
     if let Some(caption) = &content.view.caption {
-        draw_caption(
-            painter,
-            area,
-            &caption_lines(caption, content.time_s),
-            &theme,
-        );
+        draw_caption(painter, area, &caption_lines(caption, content.time_s), &theme);
     }
 }
 
@@ -172,11 +154,7 @@ fn grouped(value: f64) -> String {
 fn draw_caption(painter: &Painter, area: Rect, lines: &[String], theme: &Theme) {
     let mut bottom = area.bottom() - MARGIN;
     for (index, line) in lines.iter().enumerate().rev() {
-        let color = if index == 0 {
-            theme.text_srgb
-        } else {
-            theme.faint_text_srgb
-        };
+        let color = if index == 0 { theme.text_srgb } else { theme.faint_text_srgb };
         let position = pos2(area.left() + MARGIN, bottom);
         let font = FontId::proportional(TITLE_SIZE);
         let drawn = painter.text(position, Align2::LEFT_BOTTOM, line, font, rgb(color));
@@ -205,11 +183,7 @@ fn draw_legend(painter: &Painter, area: Rect, color_by: ColorBy, range: Range, t
 
 /// The colour map that shows a field.
 pub(crate) fn map_of(color_by: ColorBy) -> ColorMap {
-    if color_by.is_signed() {
-        ColorMap::Diverging
-    } else {
-        ColorMap::Sequential
-    }
+    if color_by.is_signed() { ColorMap::Diverging } else { ColorMap::Sequential }
 }
 
 fn draw_bar(painter: &Painter, bar: Rect, map: ColorMap, theme: &Theme) {
@@ -253,24 +227,14 @@ mod tests {
 
     #[test]
     fn caption_tells_time_and_slow_motion_then_the_text() {
-        let caption = Caption {
-            show_time: true,
-            slow_motion: Some(2000.0),
-            text: "Rankine\nglass".into(),
-        };
+        let caption = Caption { show_time: true, slow_motion: Some(2000.0), text: "Rankine\nglass".into() };
         let lines = caption_lines(&caption, 0.0015);
-        assert_eq!(
-            lines,
-            ["t = 1.5 ms   2000× slow motion", "Rankine", "glass"]
-        );
+        assert_eq!(lines, ["t = 1.5 ms   2000× slow motion", "Rankine", "glass"]);
     }
 
     #[test]
     fn real_time_is_not_called_slow() {
-        let caption = Caption {
-            slow_motion: Some(1.0),
-            ..Default::default()
-        };
+        let caption = Caption { slow_motion: Some(1.0), ..Default::default() };
         assert!(caption_lines(&caption, 0.0).is_empty());
         assert_eq!(grouped(1_234_567.0), "1\u{2009}234\u{2009}567");
     }

@@ -27,20 +27,14 @@ impl Range {
     /// The range that serves all the frames, for an animation without flicker.
     #[must_use]
     pub fn of_frames<'a>(frames: impl IntoIterator<Item = &'a Frame>, color_by: ColorBy) -> Self {
-        let peak = frames
-            .into_iter()
-            .map(|frame| peak(frame, color_by))
-            .fold(0.0, f32::max);
+        let peak = frames.into_iter().map(|frame| peak(frame, color_by)).fold(0.0, f32::max);
         Self::up_to(peak, color_by)
     }
 
     /// The smallest range that covers both.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
-        Self {
-            low: self.low.min(other.low),
-            high: self.high.max(other.high),
-        }
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
     /// Where `value` lies: 0 at the low end, 1 at the high end, clamped; 0 if not a number.
@@ -53,10 +47,7 @@ impl Range {
 
     fn up_to(peak: f32, color_by: ColorBy) -> Self {
         let high = round_up(peak);
-        Self {
-            low: if color_by.is_signed() { -high } else { 0.0 },
-            high,
-        }
+        Self { low: if color_by.is_signed() { -high } else { 0.0 }, high }
     }
 
     /// Four to seven round values inside the range, with both ends if these are round, too.
@@ -82,9 +73,7 @@ impl Range {
 fn is_round(value: f64) -> bool {
     let lead = value / 10f64.powf((value * (1.0 + 1e-5)).log10().floor());
     let leads = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
-    leads
-        .into_iter()
-        .any(|round| (lead / round - 1.0f64).abs() < 1e-5)
+    leads.into_iter().any(|round| (lead / round - 1.0f64).abs() < 1e-5)
 }
 
 fn is_whole(value: f64) -> bool {
@@ -136,24 +125,13 @@ fn round_step(value: f64) -> f64 {
 /// An SI prefix that brings `size` near 1..1000: its factor and its sign.
 #[must_use]
 pub fn si_prefix(size: f64) -> (f64, &'static str) {
-    const PREFIXES: [(f64, &str); 8] = [
-        (1e12, "T"),
-        (1e9, "G"),
-        (1e6, "M"),
-        (1e3, "k"),
-        (1.0, ""),
-        (1e-3, "m"),
-        (1e-6, "µ"),
-        (1e-9, "n"),
-    ];
+    const PREFIXES: [(f64, &str); 8] =
+        [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
     let size = size.abs();
     if size == 0.0 || !size.is_finite() {
         return (1.0, "");
     }
-    PREFIXES
-        .into_iter()
-        .find(|(factor, _)| size >= factor * (1.0 - 1e-9))
-        .unwrap_or((1e-9, "n"))
+    PREFIXES.into_iter().find(|(factor, _)| size >= factor * (1.0 - 1e-9)).unwrap_or((1e-9, "n"))
 }
 
 /// A value with its unit: three or four significant digits and an SI prefix, `"1.25 ms"`.
@@ -173,16 +151,8 @@ pub fn short(value: f64) -> String {
         _ => 3,
     };
     let text = format!("{size:.decimals$}");
-    let text = if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        &text
-    };
-    let sign = if value < 0.0 && text != "0" {
-        "−"
-    } else {
-        ""
-    };
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    let sign = if value < 0.0 && text != "0" { "−" } else { "" };
     format!("{sign}{text}")
 }
 
@@ -192,18 +162,8 @@ mod tests {
     use crate::frame::{BodyFrame, VertexFields};
 
     fn frame_with_speeds(speed_m_s: Vec<f32>) -> Frame {
-        let fields = VertexFields {
-            max_principal_pa: speed_m_s.clone(),
-            speed_m_s,
-            ..Default::default()
-        };
-        Frame {
-            bodies: vec![BodyFrame {
-                fields,
-                ..Default::default()
-            }],
-            ..Default::default()
-        }
+        let fields = VertexFields { max_principal_pa: speed_m_s.clone(), speed_m_s, ..Default::default() };
+        Frame { bodies: vec![BodyFrame { fields, ..Default::default() }], ..Default::default() }
     }
 
     #[test]
@@ -248,19 +208,9 @@ mod tests {
 
     #[test]
     fn odd_ranges_have_round_ticks_inside() {
-        let range = Range {
-            low: 0.37,
-            high: 7.7,
-        };
+        let range = Range { low: 0.37, high: 7.7 };
         assert_eq!(range.ticks(), [2.0, 4.0, 6.0]);
-        assert_eq!(
-            Range {
-                low: 1.0,
-                high: 1.0
-            }
-            .ticks(),
-            [1.0]
-        );
+        assert_eq!(Range { low: 1.0, high: 1.0 }.ticks(), [1.0]);
     }
 
     #[test]

@@ -45,11 +45,7 @@ impl<'a> Target<'a> {
     /// All of a texture.
     #[must_use]
     pub fn whole(view: &'a wgpu::TextureView) -> Self {
-        Self {
-            view,
-            origin_px: [0, 0],
-            size_px: texture_size_px(view),
-        }
+        Self { view, origin_px: [0, 0], size_px: texture_size_px(view) }
     }
 
     /// A rectangle of a texture, cut where it sticks out; what is outside it stays as it is.
@@ -57,11 +53,7 @@ impl<'a> Target<'a> {
     pub fn part(view: &'a wgpu::TextureView, origin_px: [u32; 2], size_px: [u32; 2]) -> Self {
         let all = texture_size_px(view);
         let origin_px = std::array::from_fn(|i| origin_px[i].min(all[i]));
-        Self {
-            view,
-            origin_px,
-            size_px: std::array::from_fn(|i| size_px[i].min(all[i] - origin_px[i])),
-        }
+        Self { view, origin_px, size_px: std::array::from_fn(|i| size_px[i].min(all[i] - origin_px[i])) }
     }
 
     /// Width over height.
@@ -154,17 +146,10 @@ impl Renderer {
         self.write_uniforms(target, camera, view, &fits);
         self.fit_textures(target.size_px);
 
-        let mut encoder = self
-            .gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.draw_light(&mut encoder, &fits, count);
         self.draw_scene(&mut encoder, &fits, count);
-        let content = OverlayContent {
-            view,
-            time_s: frame.time_s,
-            range,
-        };
+        let content = OverlayContent { view, time_s: frame.time_s, range };
         self.draw_on_target(&mut encoder, target, &content);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.check()
@@ -178,13 +163,8 @@ impl Renderer {
         view: &View,
         range: Option<Range>,
     ) -> Result<u32, GpuError> {
-        let coloring = Coloring {
-            color_by: view.color_by,
-            range: range.unwrap_or(Range {
-                low: 0.0,
-                high: 1.0,
-            }),
-        };
+        let coloring =
+            Coloring { color_by: view.color_by, range: range.unwrap_or(Range { low: 0.0, high: 1.0 }) };
         let hidden = floor.and_then(|floor| floor.replaces);
         let vertices = &self.geometry.build(frame, hidden, coloring).vertices;
         let bytes: &[u8] = bytemuck::cast_slice(vertices);
@@ -214,11 +194,9 @@ impl Renderer {
         let theme = Theme::of(view.background);
         let uniforms = uniforms(target, camera, view, fits, &theme);
         self.frame.write(queue, &uniforms);
-        self.shadow_map
-            .set_matrix(queue, fits.shadow.shadow_from_world);
+        self.shadow_map.set_matrix(queue, fits.shadow.shadow_from_world);
         if let Some(floor) = &fits.floor {
-            self.height_map
-                .set_matrix(queue, floor.heights_from_world());
+            self.height_map.set_matrix(queue, floor.heights_from_world());
         }
         self.compose_pass.place(queue, target.origin_px);
     }
@@ -231,11 +209,9 @@ impl Renderer {
     }
 
     fn draw_light(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, count: u32) {
-        self.depth_pass
-            .draw(encoder, &self.shadow_map, &self.vertices, count);
+        self.depth_pass.draw(encoder, &self.shadow_map, &self.vertices, count);
         if fits.floor.is_some() {
-            self.depth_pass
-                .draw(encoder, &self.height_map, &self.vertices, count);
+            self.depth_pass.draw(encoder, &self.height_map, &self.vertices, count);
             self.floor_light_pass.draw(encoder, &self.frame);
             self.floor_blur_pass.draw(encoder);
         }
@@ -300,13 +276,7 @@ impl Fits {
     }
 }
 
-fn uniforms(
-    target: Target<'_>,
-    camera: &Camera,
-    view: &View,
-    fits: &Fits,
-    theme: &Theme,
-) -> FrameUniforms {
+fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme: &Theme) -> FrameUniforms {
     let floor = fits.floor;
     FrameUniforms {
         clip_from_world: camera.clip_from_world(target.aspect()).to_cols_array_2d(),
@@ -357,10 +327,7 @@ fn vertex_buffer(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
     })
 }
 
-fn begin_scene<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    textures: &SceneTextures,
-) -> wgpu::RenderPass<'e> {
+fn begin_scene<'e>(encoder: &'e mut wgpu::CommandEncoder, textures: &SceneTextures) -> wgpu::RenderPass<'e> {
     // Samples are resolved at the end of the pass; nobody needs them, or the depth, after it.
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("scene"),
@@ -385,25 +352,15 @@ fn begin_scene<'e>(
     })
 }
 
-fn begin_target<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    target: &Target<'_>,
-) -> wgpu::RenderPass<'e> {
-    let load = if target.is_whole() {
-        wgpu::LoadOp::Clear(wgpu::Color::BLACK)
-    } else {
-        wgpu::LoadOp::Load
-    };
+fn begin_target<'e>(encoder: &'e mut wgpu::CommandEncoder, target: &Target<'_>) -> wgpu::RenderPass<'e> {
+    let load = if target.is_whole() { wgpu::LoadOp::Clear(wgpu::Color::BLACK) } else { wgpu::LoadOp::Load };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("target"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: target.view,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations {
-                load,
-                store: wgpu::StoreOp::Store,
-            },
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         })],
         ..Default::default()
     })

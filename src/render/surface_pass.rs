@@ -28,11 +28,7 @@ pub(crate) struct SurfacePass {
 }
 
 impl SurfacePass {
-    pub fn new(
-        gpu: (&wgpu::Device, &wgpu::Queue),
-        frame: &FrameBinding,
-        shadow: &DepthMap,
-    ) -> Self {
+    pub fn new(gpu: (&wgpu::Device, &wgpu::Queue), frame: &FrameBinding, shadow: &DepthMap) -> Self {
         let (device, queue) = gpu;
         let layout = bindings::layout(
             device,
@@ -68,10 +64,7 @@ impl SurfacePass {
             cull: Some(wgpu::Face::Back),
             samples: SAMPLES,
         };
-        Self {
-            pipeline: pipeline.build(device),
-            group,
-        }
+        Self { pipeline: pipeline.build(device), group }
     }
 
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, vertices: &wgpu::Buffer, count: u32) {

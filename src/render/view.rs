@@ -93,10 +93,7 @@ impl ColorBy {
     /// Whether values of both signs occur, so that the map must be centred at zero.
     #[must_use]
     pub fn is_signed(self) -> bool {
-        matches!(
-            self,
-            Self::MaxPrincipal | Self::MinPrincipal | Self::MeanStress
-        )
+        matches!(self, Self::MaxPrincipal | Self::MinPrincipal | Self::MeanStress)
     }
 
     /// Whether there are values behind the colours, and so a legend.
@@ -122,9 +119,7 @@ impl ColorBy {
     /// The values of a body that takes colours by value: fixed bodies stay as they are.
     #[must_use]
     pub fn values_of(self, body: &BodyFrame) -> Option<&[f32]> {
-        (body.role != BodyRole::Fixed)
-            .then(|| self.values(&body.fields))
-            .flatten()
+        (body.role != BodyRole::Fixed).then(|| self.values(&body.fields)).flatten()
     }
 }
 
@@ -136,9 +131,7 @@ impl FromStr for ColorBy {
         Self::ALL
             .into_iter()
             .find(|choice| choice.name() == wanted)
-            .ok_or_else(|| UnknownColorBy {
-                given: text.to_owned(),
-            })
+            .ok_or_else(|| UnknownColorBy { given: text.to_owned() })
     }
 }
 
@@ -216,20 +209,16 @@ impl View {
     #[must_use]
     pub fn for_size([width, height]: [u32; 2]) -> Self {
         let relative = (width as f32 / 960.0).min(height as f32 / 540.0);
-        Self {
-            pixels_per_point: relative.clamp(0.6, 8.0),
-            ..Self::default()
-        }
+        Self { pixels_per_point: relative.clamp(0.6, 8.0), ..Self::default() }
     }
 
     /// The range of values to use for `frame`: the fixed one, or the frame's own; `None` for
     /// colours without values.
     #[must_use]
     pub fn range_for(&self, frame: &Frame) -> Option<Range> {
-        self.color_by.has_values().then(|| {
-            self.range
-                .unwrap_or_else(|| Range::of_frame(frame, self.color_by))
-        })
+        self.color_by
+            .has_values()
+            .then(|| self.range.unwrap_or_else(|| Range::of_frame(frame, self.color_by)))
     }
 }
 
@@ -248,10 +237,7 @@ mod tests {
     #[test]
     fn unknown_field_lists_the_choices() {
         let text = "vonmises".parse::<ColorBy>().unwrap_err().to_string();
-        assert!(
-            text.contains("'vonmises'") && text.contains("von-mises"),
-            "{text}"
-        );
+        assert!(text.contains("'vonmises'") && text.contains("von-mises"), "{text}");
     }
 
     #[test]

@@ -7,11 +7,7 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 
 /// Box around points, of which there must be at least one.
 pub(super) fn of_points(points: &[DVec3]) -> Aabb {
-    let (low, high) = points
-        .iter()
-        .fold((points[0], points[0]), |(low, high), &x| {
-            (low.min(x), high.max(x))
-        });
+    let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), &x| (low.min(x), high.max(x)));
     Aabb::new(low, high)
 }
 

@@ -30,13 +30,8 @@ pub(super) struct Built {
 /// # Errors
 /// Every problem found, at least one.
 pub(super) fn build(scene: &SceneDescription, folder: &Path) -> Result<Built, Vec<BuildProblem>> {
-    let mut builder = Builder {
-        scene,
-        problems: Vec::new(),
-        notes: Vec::new(),
-        placed: Vec::new(),
-        bodies: Vec::new(),
-    };
+    let mut builder =
+        Builder { scene, problems: Vec::new(), notes: Vec::new(), placed: Vec::new(), bodies: Vec::new() };
     let meshes = builder.meshes(folder);
     if builder.problems.is_empty() {
         builder.check_size(&meshes);
@@ -73,10 +68,7 @@ impl Builder<'_> {
         for (index, body) in self.scene.bodies.iter().enumerate() {
             match mesh_of(&body.shape, folder) {
                 Ok(mesh) => {
-                    let notes = mesh
-                        .notes
-                        .iter()
-                        .map(|note| (body.name.clone(), note.clone()));
+                    let notes = mesh.notes.iter().map(|note| (body.name.clone(), note.clone()));
                     self.notes.extend(notes);
                     meshes.push(Some(mesh));
                 }
@@ -108,8 +100,7 @@ impl Builder<'_> {
     }
 
     fn problem(&mut self, entry: usize, key: &str, message: String) {
-        self.problems
-            .push((format!("bodies[{entry}].{key}"), message));
+        self.problems.push((format!("bodies[{entry}].{key}"), message));
     }
 
     fn ground(&mut self) {
@@ -179,11 +170,7 @@ impl Builder<'_> {
         color: Option<[f32; 3]>,
     ) -> Vec<Material> {
         let found = names.into_iter().filter_map(|name| {
-            let material = self
-                .scene
-                .materials
-                .iter()
-                .find(|material| material.name == name)?;
+            let material = self.scene.materials.iter().find(|material| material.name == name)?;
             let mut material = material.clone();
             material.color_srgb = color.unwrap_or(material.color_srgb);
             Some(material)
@@ -196,10 +183,7 @@ impl Builder<'_> {
         let mut conditions = Vec::with_capacity(boundary.len());
         for (index, condition) in boundary.iter().enumerate() {
             match select(PlacedMesh { own, world }, &condition.at) {
-                Ok(nodes) => conditions.push(BoundaryCondition {
-                    nodes,
-                    action: condition.action.clone(),
-                }),
+                Ok(nodes) => conditions.push(BoundaryCondition { nodes, action: condition.action.clone() }),
                 Err(message) => {
                     self.problem(entry, &format!("boundary[{index}].at"), message);
                 }
@@ -210,16 +194,11 @@ impl Builder<'_> {
 
     /// Bodies that neither deforms nor moves freely may overlap: a wall may stand in the ground.
     fn refuse_overlaps(&mut self) {
-        let boxes: Vec<_> = self
-            .bodies
-            .iter()
-            .map(|b| boxes::of_mesh(&b.setup.mesh))
-            .collect();
+        let boxes: Vec<_> = self.bodies.iter().map(|b| boxes::of_mesh(&b.setup.mesh)).collect();
         for second in 0..self.bodies.len() {
             for first in 0..second {
                 let (a, b) = (&self.bodies[first], &self.bodies[second]);
-                let moves =
-                    |body: &BuiltBody| matches!(body.setup.motion, BodyMotion::Deformable(_));
+                let moves = |body: &BuiltBody| matches!(body.setup.motion, BodyMotion::Deformable(_));
                 let near = boxes[first].zip(boxes[second]).is_some_and(|(a, b)| {
                     use parry3d_f64::bounding_volume::BoundingVolume;
                     a.intersects(&b)
@@ -239,11 +218,9 @@ impl Builder<'_> {
                         found.near_m.x,
                         found.near_m.y,
                         found.near_m.z,
-                        a.entry
-                            .map_or(GROUND, |entry| self.scene.bodies[entry].name.as_str()),
+                        a.entry.map_or(GROUND, |entry| self.scene.bodies[entry].name.as_str()),
                     );
-                    self.problems
-                        .push((format!("bodies[{entry}].position"), message));
+                    self.problems.push((format!("bodies[{entry}].position"), message));
                 }
             }
         }
@@ -278,10 +255,7 @@ impl Builder<'_> {
         let mut add = |a: usize, b: usize, friction_coefficient: f64| {
             let bodies = [a.min(b), a.max(b)];
             if a != b && !pairs.iter().any(|pair| pair.bodies == bodies) {
-                pairs.push(PairFriction {
-                    bodies,
-                    friction_coefficient,
-                });
+                pairs.push(PairFriction { bodies, friction_coefficient });
             }
         };
         for ([first, second], friction) in &self.scene.contact.pairs {
@@ -327,9 +301,8 @@ fn element_materials(body: &Body, mesh: &TetMesh) -> Result<Vec<u32>, (String, S
             return Err((format!("material.{region}"), message));
         }
     }
-    let of_region: Vec<Option<usize>> = regions()
-        .map(|name| pairs.iter().position(|(region, _)| region == name))
-        .collect();
+    let of_region: Vec<Option<usize>> =
+        regions().map(|name| pairs.iter().position(|(region, _)| region == name)).collect();
     if let Some(missing) = of_region.iter().position(Option::is_none) {
         let message = format!(
             "region `{}` of the body has no material; name one for each of {}",

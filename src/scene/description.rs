@@ -111,9 +111,7 @@ impl BodyMaterial {
             Self::One(name) => (Some(name.as_str()), [].as_slice()),
             Self::ByRegion(pairs) => (None, pairs.as_slice()),
         };
-        let many = many
-            .iter()
-            .map(|(_, name): &(String, String)| name.as_str());
+        let many = many.iter().map(|(_, name): &(String, String)| name.as_str());
         one.into_iter().chain(many)
     }
 }
@@ -268,6 +266,8 @@ pub enum ColorBy {
     /// The colours of the materials and bodies.
     #[default]
     Material,
+    /// Each body in its own colour.
+    Body,
     /// Speed.
     Speed,
     /// Distance from the rigidly moved shape.
@@ -284,8 +284,9 @@ pub enum ColorBy {
 
 impl ColorBy {
     /// All of them with their names in scenes and on the command line.
-    pub const NAMED: [(&'static str, Self); 7] = [
+    pub const NAMED: [(&'static str, Self); 8] = [
         ("material", Self::Material),
+        ("body", Self::Body),
         ("speed", Self::Speed),
         ("displacement", Self::Displacement),
         ("von-mises", Self::VonMises),
@@ -297,9 +298,6 @@ impl ColorBy {
     /// Name in scenes and on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
-        Self::NAMED
-            .iter()
-            .find(|(_, value)| *value == self)
-            .map_or("material", |(name, _)| name)
+        Self::NAMED.iter().find(|(_, value)| *value == self).map_or("material", |(name, _)| name)
     }
 }

@@ -56,11 +56,7 @@ impl SceneDocument {
     /// values are sensible is checked later, with the rest of the scene.
     pub fn apply(&mut self, overrides: &[impl AsRef<str>]) -> Result<(), SceneError> {
         let findings = self.try_apply(overrides);
-        if findings.is_empty() {
-            Ok(())
-        } else {
-            Err(self.invalid(findings))
-        }
+        if findings.is_empty() { Ok(()) } else { Err(self.invalid(findings)) }
     }
 
     /// The same, handing back what is wrong for it to be told together with the rest.
@@ -70,11 +66,7 @@ impl SceneDocument {
             let number = self.overrides.len();
             self.overrides.push(text.as_ref().to_owned());
             if let Err((path, message)) = self.apply_one(text.as_ref(), number) {
-                findings.push(Finding {
-                    origin: Origin::Override(number),
-                    path,
-                    message,
-                });
+                findings.push(Finding { origin: Origin::Override(number), path, message });
             }
         }
         findings
@@ -119,10 +111,7 @@ impl SceneDocument {
                 message: finding.message,
             })
             .collect();
-        SceneError::Invalid {
-            scene: self.label.clone(),
-            problems,
-        }
+        SceneError::Invalid { scene: self.label.clone(), problems }
     }
 
     fn location(&self, origin: Origin) -> Location {
@@ -175,11 +164,7 @@ fn syntax_findings(text: &str, errors: &[toml::de::Error]) -> Vec<Finding> {
 }
 
 fn syntax_finding(byte: usize, reason: &str) -> Finding {
-    let hint = if reason.contains("array") {
-        " (is a `[` left open above?)"
-    } else {
-        ""
-    };
+    let hint = if reason.contains("array") { " (is a `[` left open above?)" } else { "" };
     Finding {
         origin: Origin::Text(byte),
         path: String::new(),
@@ -202,10 +187,7 @@ fn read_value(text: &str, number: usize) -> Result<Node, String> {
         Ok(value) => return Ok(tree::from_override(value.get_ref(), number)),
         Err(error) => error,
     };
-    let node = |value| Node {
-        origin: Origin::Override(number),
-        value,
-    };
+    let node = |value| Node { origin: Origin::Override(number), value };
     let looks_like_number = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
     if looks_like_number && let Ok(value) = text.parse::<f64>() {
         return Ok(node(Value::Float(value)));
@@ -247,10 +229,7 @@ fn new_entry(key: &str, number: usize) -> Entry {
     Entry {
         key: key.to_owned(),
         key_origin: Origin::Override(number),
-        node: Node {
-            origin: Origin::Override(number),
-            value: Value::Table(Vec::new()),
-        },
+        node: Node { origin: Origin::Override(number), value: Value::Table(Vec::new()) },
     }
 }
 
@@ -268,13 +247,7 @@ fn put_in_document(item: &mut Item, steps: &[Segment], value: toml_edit::Value) 
         Segment::Key(key) => {
             let inline = item.is_inline_table();
             if let Some(table) = item.as_table_like_mut() {
-                put_in_table(
-                    table,
-                    key,
-                    inline,
-                    |next| put_in_document(next, rest, value),
-                    rest,
-                );
+                put_in_table(table, key, inline, |next| put_in_document(next, rest, value), rest);
             }
         }
     }
@@ -320,11 +293,7 @@ fn to_editable(node: &Node) -> toml_edit::Value {
         Value::Float(number) => (*number).into(),
         Value::Flag(flag) => (*flag).into(),
         Value::Date => "a date".into(),
-        Value::List(items) => items
-            .iter()
-            .map(to_editable)
-            .collect::<toml_edit::Array>()
-            .into(),
+        Value::List(items) => items.iter().map(to_editable).collect::<toml_edit::Array>().into(),
         Value::Table(entries) => entries
             .iter()
             .map(|entry| (entry.key.as_str(), to_editable(&entry.node)))

@@ -36,11 +36,7 @@ pub(super) struct Findings {
 impl Findings {
     /// Adds a problem.
     pub fn add(&self, origin: Origin, path: &str, message: String) {
-        self.list.borrow_mut().push(Finding {
-            origin,
-            path: path.to_owned(),
-            message,
-        });
+        self.list.borrow_mut().push(Finding { origin, path: path.to_owned(), message });
     }
 
     /// Adds a key nobody asked for.
@@ -63,16 +59,11 @@ impl Findings {
     pub fn into_problems(self) -> Vec<Finding> {
         let asked = self.asked.into_inner();
         let mut list = self.list.into_inner();
-        list.extend(
-            self.strangers
-                .into_inner()
-                .into_iter()
-                .map(|stranger| Finding {
-                    origin: stranger.origin,
-                    path: join(&stranger.table, &stranger.key),
-                    message: stranger.in_words(&asked),
-                }),
-        );
+        list.extend(self.strangers.into_inner().into_iter().map(|stranger| Finding {
+            origin: stranger.origin,
+            path: join(&stranger.table, &stranger.key),
+            message: stranger.in_words(&asked),
+        }));
         list
     }
 }
@@ -92,10 +83,7 @@ impl Stranger {
         match home.map(|(table, _)| table.as_str()) {
             Some("") => format!("`{key}` does not belong {place}, but at the top of the scene"),
             Some(table) => format!("`{key}` does not belong {place}, but in `{table}`"),
-            None => format!(
-                "unknown key `{key}` {place}{}",
-                suggestion(key, self.known.iter().copied())
-            ),
+            None => format!("unknown key `{key}` {place}{}", suggestion(key, self.known.iter().copied())),
         }
     }
 }

@@ -70,10 +70,8 @@ impl Scene {
         if !path.exists() {
             return Err(not_found(name_or_path));
         }
-        let text = std::fs::read_to_string(path).map_err(|source| SceneError::Unreadable {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
         let folder = path.parent().unwrap_or(Path::new("."));
         Self::from_text(name_or_path, &text, folder, overrides)
     }
@@ -107,6 +105,12 @@ impl Scene {
         self.document.to_toml()
     }
 
+    /// The folder that relative paths of mesh files start at.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The overrides that were applied.
     #[must_use]
     pub fn overrides(&self) -> &[String] {
@@ -135,12 +139,7 @@ impl Scene {
         })?;
         Ok(Self {
             name: short_name(document.label()),
-            summary: SceneSummary::of(
-                &description.title,
-                description.duration_s,
-                &built.setup,
-                built.notes,
-            ),
+            summary: SceneSummary::of(&description.title, description.duration_s, &built.setup, built.notes),
             description,
             setup: built.setup,
             document,
@@ -151,10 +150,7 @@ impl Scene {
 
 fn short_name(label: &str) -> String {
     let stem = Path::new(label).file_stem();
-    stem.map_or_else(
-        || label.to_owned(),
-        |stem| stem.to_string_lossy().into_owned(),
-    )
+    stem.map_or_else(|| label.to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 fn not_found(asked: &str) -> SceneError {
@@ -163,8 +159,5 @@ fn not_found(asked: &str) -> SceneError {
         Some(name) => format!("; did you mean `{name}`?"),
         None => "; `hammerfall scenes` lists the built-in ones".to_owned(),
     };
-    SceneError::NotFound {
-        asked: asked.to_owned(),
-        hint,
-    }
+    SceneError::NotFound { asked: asked.to_owned(), hint }
 }

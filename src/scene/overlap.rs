@@ -93,12 +93,7 @@ fn candidate_axes(a: &[DVec3; 4], b: &[DVec3; 4]) -> impl Iterator<Item = DVec3>
 
 fn normals(corners: &[DVec3; 4]) -> [DVec3; 4] {
     let [a, b, c, d] = *corners;
-    [
-        (b - a).cross(c - a),
-        (b - a).cross(d - a),
-        (c - a).cross(d - a),
-        (c - b).cross(d - b),
-    ]
+    [(b - a).cross(c - a), (b - a).cross(d - a), (c - a).cross(d - a), (c - b).cross(d - b)]
 }
 
 fn edges(corners: &[DVec3; 4]) -> [DVec3; 6] {
@@ -129,10 +124,7 @@ mod tests {
         assert_eq!(overlap(&a, &tet_at(DVec3::X, 1.0)), None);
         assert_eq!(overlap(&a, &tet_at(DVec3::splat(0.4), 1.0)), None);
         let found = overlap(&a, &tet_at(DVec3::new(0.0, 0.0, 0.9), 1.0)).unwrap();
-        assert!(
-            (found.depth_m - 0.1 / 3f64.sqrt()).abs() < 1e-12,
-            "{found:?}"
-        );
+        assert!((found.depth_m - 0.1 / 3f64.sqrt()).abs() < 1e-12, "{found:?}");
     }
 
     #[test]
@@ -146,20 +138,9 @@ mod tests {
         let nodes = |points: [[f64; 3]; 4]| {
             TetMesh::with_one_region(points.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]])
         };
-        let lower = nodes([
-            [-1.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 0.2, -1.0],
-            [0.0, -0.2, -1.0],
-        ]);
-        let upper = |z: f64| {
-            nodes([
-                [0.0, -1.0, z],
-                [0.0, 1.0, z],
-                [0.2, 0.0, z + 1.0],
-                [-0.2, 0.0, z + 1.0],
-            ])
-        };
+        let lower = nodes([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.2, -1.0], [0.0, -0.2, -1.0]]);
+        let upper =
+            |z: f64| nodes([[0.0, -1.0, z], [0.0, 1.0, z], [0.2, 0.0, z + 1.0], [-0.2, 0.0, z + 1.0]]);
         assert_eq!(overlap(&lower, &upper(1e-9)), None);
         let found = overlap(&lower, &upper(-0.01)).unwrap();
         assert!((found.depth_m - 0.01).abs() < 1e-12, "{found:?}");

@@ -22,16 +22,9 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
     let materials = read_materials(&mut table);
     let ground = table.table("ground").map(read_ground);
     table.require("bodies", "the scene needs at least one `[[bodies]]`");
-    let bodies: Vec<_> = table
-        .tables("bodies")
-        .into_iter()
-        .map(bodies::read_body)
-        .collect();
+    let bodies: Vec<_> = table.tables("bodies").into_iter().map(bodies::read_body).collect();
     if table.has("bodies") && bodies.is_empty() {
-        table.problem(
-            "bodies",
-            "the scene needs at least one `[[bodies]]`".to_owned(),
-        );
+        table.problem("bodies", "the scene needs at least one `[[bodies]]`".to_owned());
     }
     let contact = settings::read_contact(table.table_or_empty("contact"));
     let (duration_s, time) = settings::read_time(table.table_or_empty("time"));
@@ -56,10 +49,7 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
 
 fn read_materials(table: &mut Table) -> Vec<Material> {
     let tables = table.named_tables("materials");
-    tables
-        .into_iter()
-        .map(|(name, table)| read_material(name, table))
-        .collect()
+    tables.into_iter().map(|(name, table)| read_material(name, table)).collect()
 }
 
 /// A material starts from the library's entry that `preset` names, or that has its own name.
@@ -114,9 +104,7 @@ fn add_library_materials(scene: &mut SceneDescription) {
 }
 
 fn read_ground(mut table: Table) -> Ground {
-    let size_m = table
-        .number("size", Quantity::positive("m"))
-        .unwrap_or(10.0);
+    let size_m = table.number("size", Quantity::positive("m")).unwrap_or(10.0);
     let thickness = table.number("thickness", Quantity::positive("m"));
     let center = table.numbers("center", 2, 2, Quantity::any("m"));
     Ground {
@@ -124,9 +112,7 @@ fn read_ground(mut table: Table) -> Ground {
         center_m: center.map_or([0.0; 2], |xy| [xy[0], xy[1]]),
         size_m,
         thickness_m: thickness.unwrap_or(0.05 * size_m),
-        material: table
-            .text("material")
-            .unwrap_or_else(|| "concrete".to_owned()),
+        material: table.text("material").unwrap_or_else(|| "concrete".to_owned()),
         friction_coefficient: read_friction(&mut table),
         color_srgb: read_color(&mut table, "color"),
     }
@@ -172,13 +158,10 @@ fn parse_hex_color(text: &str) -> Option<[f32; 3]> {
 
 /// Names are used in paths, columns and file names: letters, digits, `-` and `_`.
 fn check_name(table: &Table, name: &str) {
-    let sound = name
-        .chars()
-        .all(|c| c.is_alphanumeric() || c == '-' || c == '_');
+    let sound = name.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_');
     if name.is_empty() || !sound || name.parse::<usize>().is_ok() {
-        let message = format!(
-            "\"{name}\" is no name: use letters, digits, `-` and `_`, and not digits alone"
-        );
+        let message =
+            format!("\"{name}\" is no name: use letters, digits, `-` and `_`, and not digits alone");
         table.problem("name", message);
     }
 }
@@ -186,4 +169,78 @@ fn check_name(table: &Table, name: &str) {
 /// Names that stand for a body: the bodies' own and the ground's.
 fn is_ground(name: &str) -> bool {
     name == GROUND
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::document::SceneDocument;
+    use super::super::{BUILTIN_SCENES, PRESETS};
+    use super::*;
+
+    const REFERENCE: &str = include_str!("../../assets/scene-reference.md");
+
+    /// Uses a table of every kind, so that every key is asked for.
+    const EVERYTHING: &str = r#"
+        title = "t"
+        materials.m.preset = "steel"
+        ground = {}
+        contact.pairs = [{ bodies = ["a", "ground"], friction = 1 }]
+        time.duration = 1
+        cameras.c = {}
+        bodies = [
+            { name = "a", material = "m", mesh.file = "f", rotation = { axis = [0, 0, 1], degrees = 1 },
+              motion = "kinematic", prescribed = {},
+              copies = { count = 1, offset = [0, 0, 0], rotation = { axis = [0, 0, 1], degrees = 1 } } },
+            { name = "b", material = "m", shape.type = "box", boundary = [
+                { at.box = { min = [0, 0, 0], max = [1, 1, 1] }, fixed = true },
+                { at.sphere = { center = [0, 0, 0], radius = 1 }, force = [0, 0, 1] } ] },
+        ]"#;
+
+    fn keys_of(text: &str) -> Vec<&'static str> {
+        let document = SceneDocument::parse("test", text).unwrap();
+        let findings = Findings::default();
+        read_scene(document.root(), &findings);
+        let keys = findings.asked().into_iter().map(|(_, key)| key).collect();
+        let problems = findings.into_problems();
+        assert!(problems.is_empty(), "{problems:?}");
+        keys
+    }
+
+    #[test]
+    fn the_reference_names_every_key() {
+        let mut keys = keys_of(EVERYTHING);
+        for builtin in BUILTIN_SCENES {
+            keys.extend(keys_of(builtin.text));
+        }
+        for shape in [
+            "rod", "plate", "pile", "beam", "ball", "table", "cup", "lamp", "hammer",
+        ] {
+            keys.extend(keys_of(
+                &EVERYTHING.replace(r#"= "box""#, &format!("= {shape:?}")),
+            ));
+        }
+        let words: Vec<&str> = REFERENCE
+            .split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
+            .collect();
+        for key in keys {
+            assert!(words.contains(&key), "the scene reference lacks `{key}`");
+        }
+    }
+
+    #[test]
+    fn the_reference_lists_the_library() {
+        for preset in PRESETS {
+            let row = format!("| `{}` | {} | ", preset.name, preset.density_kg_m3);
+            let rest = REFERENCE.split_once(&row).map(|(_, rest)| rest);
+            let mut cells = rest.unwrap_or_else(|| panic!("no row {row}")).split(" | ");
+            let modulus: f64 = cells.next().unwrap().parse().unwrap();
+            assert_eq!(modulus, preset.youngs_modulus_pa, "{}", preset.name);
+        }
+    }
+
+    #[test]
+    fn the_example_of_the_reference_is_a_scene() {
+        let example = REFERENCE.split("```toml").nth(1).unwrap();
+        keys_of(example.split("```").next().unwrap());
+    }
 }

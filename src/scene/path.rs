@@ -18,20 +18,14 @@ const NAMED_TABLES: [&str; 2] = ["materials", "cameras"];
 
 /// Keys that say the same thing in different words: a table may have one of each group, and an override
 /// with one of them takes the place of the others.
-pub(super) const RIVALS: [&[&str]; 3] = [
-    &["friction", "friction_angle"],
-    &["refinement", "element_size", "cells"],
-    &["shape", "mesh"],
-];
+pub(super) const RIVALS: [&[&str]; 3] =
+    [&["friction", "friction_angle"], &["refinement", "element_size", "cells"], &["shape", "mesh"]];
 
 /// The keys that a key takes the place of.
 pub(super) fn rivals_of(key: &str) -> impl Iterator<Item = &'static str> {
     let group = RIVALS.iter().find(|group| group.contains(&key));
     let key = key.to_owned();
-    group
-        .into_iter()
-        .flat_map(|group| group.iter().copied())
-        .filter(move |rival| *rival != key)
+    group.into_iter().flat_map(|group| group.iter().copied()).filter(move |rival| *rival != key)
 }
 
 /// A path and one more step; either may be empty.
@@ -65,13 +59,12 @@ pub(super) fn locate(root: &Node, path: &str) -> Origin {
     let mut origin = root.origin;
     for part in split(path).unwrap_or_default() {
         let next = match &node.value {
-            Value::Table(entries) => entries
-                .iter()
-                .find(|entry| entry.key == part)
-                .map(|entry| (entry.key_origin, &entry.node)),
-            Value::List(items) => list_index(items, part)
-                .ok()
-                .map(|index| (items[index].origin, &items[index])),
+            Value::Table(entries) => {
+                entries.iter().find(|entry| entry.key == part).map(|entry| (entry.key_origin, &entry.node))
+            }
+            Value::List(items) => {
+                list_index(items, part).ok().map(|index| (items[index].origin, &items[index]))
+            }
             _ => None,
         };
         let Some((next_origin, next_node)) = next else {
@@ -108,8 +101,7 @@ pub(super) fn resolve(root: &Node, parts: &[&str]) -> Result<Vec<Segment>, Strin
                 steps.push(Segment::Key((*part).to_owned()));
             }
             Value::List(items) => {
-                let index =
-                    list_index(items, part).map_err(|reason| format!("`{}` {reason}", before()))?;
+                let index = list_index(items, part).map_err(|reason| format!("`{}` {reason}", before()))?;
                 node = Some(&items[index]);
                 steps.push(Segment::Index(index));
             }
@@ -139,9 +131,7 @@ fn refuse_unknown_name(node: Option<&Node>, table: &str, name: &str) -> Result<(
         return Ok(());
     }
     let hint = suggestion(name, names);
-    Err(format!(
-        "there is nothing called `{name}` in `{table}`{hint}"
-    ))
+    Err(format!("there is nothing called `{name}` in `{table}`{hint}"))
 }
 
 fn list_index(items: &[Node], part: &str) -> Result<usize, String> {
@@ -149,10 +139,7 @@ fn list_index(items: &[Node], part: &str) -> Result<usize, String> {
         return if index < items.len() {
             Ok(index)
         } else {
-            Err(format!(
-                "has no number {index}: it has {}, counted from 0",
-                items.len()
-            ))
+            Err(format!("has no number {index}: it has {}, counted from 0", items.len()))
         };
     }
     let names = items.iter().filter_map(|item| item.get("name")?.text());

@@ -15,43 +15,27 @@ pub(super) struct Frame {
 impl Frame {
     /// Without rotation.
     pub fn at(origin_m: DVec3) -> Self {
-        Self {
-            rotation: DQuat::IDENTITY,
-            origin_m,
-        }
+        Self { rotation: DQuat::IDENTITY, origin_m }
     }
 
     /// First `inner`, then this one.
     fn after(self, inner: Self) -> Self {
-        Self {
-            rotation: self.rotation * inner.rotation,
-            origin_m: self.point(inner.origin_m),
-        }
+        Self { rotation: self.rotation * inner.rotation, origin_m: self.point(inner.origin_m) }
     }
 
     fn inverse(self) -> Self {
         let rotation = self.rotation.inverse();
-        Self {
-            rotation,
-            origin_m: rotation * -self.origin_m,
-        }
+        Self { rotation, origin_m: rotation * -self.origin_m }
     }
 
     /// Bodies that are not turned keep every digit of their coordinates.
     fn point(self, x: DVec3) -> DVec3 {
-        if self.rotation == DQuat::IDENTITY {
-            x + self.origin_m
-        } else {
-            self.rotation * x + self.origin_m
-        }
+        if self.rotation == DQuat::IDENTITY { x + self.origin_m } else { self.rotation * x + self.origin_m }
     }
 
     /// The mesh, turned and moved.
     pub fn applied_to(self, mesh: &TetMesh) -> TetMesh {
-        TetMesh {
-            nodes_m: mesh.nodes_m.iter().map(|&x| self.point(x)).collect(),
-            ..mesh.clone()
-        }
+        TetMesh { nodes_m: mesh.nodes_m.iter().map(|&x| self.point(x)).collect(), ..mesh.clone() }
     }
 }
 
@@ -65,20 +49,12 @@ pub(super) struct Placed {
 impl Placed {
     /// An entry whose first copy stands in this frame.
     pub fn new(name: &str, frame: Frame) -> Self {
-        Self {
-            name: name.to_owned(),
-            frame,
-            meshes: Vec::new(),
-        }
+        Self { name: name.to_owned(), frame, meshes: Vec::new() }
     }
 
     /// The ground.
     pub fn ground(mesh: TetMesh) -> Self {
-        Self {
-            name: GROUND.to_owned(),
-            frame: Frame::at(DVec3::ZERO),
-            meshes: vec![mesh],
-        }
+        Self { name: GROUND.to_owned(), frame: Frame::at(DVec3::ZERO), meshes: vec![mesh] }
     }
 }
 
@@ -92,10 +68,7 @@ pub(super) fn place(
     let find = |name: &String| placed.iter().find(|entry| entry.name == *name);
     let axes = placement.axes_of.as_ref().and_then(find);
     let axes = axes.map_or(Frame::at(DVec3::ZERO), |entry| entry.frame);
-    let mut first = Frame {
-        rotation: placement.rotation,
-        origin_m: placement.position_m,
-    };
+    let mut first = Frame { rotation: placement.rotation, origin_m: placement.position_m };
     if let Some(support) = placement.on.as_ref().and_then(find) {
         first.origin_m.z += height_on(support, axes, &first.applied_to(mesh), placement.gap_m)?;
     }

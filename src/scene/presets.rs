@@ -33,11 +33,7 @@ const fn preset(name: &'static str, elastic: [f64; 3], damping: f64, rgb: [u8; 3
         youngs_modulus_pa: elastic[1],
         poisson_ratio: elastic[2],
         damping_per_s: damping,
-        color_srgb: [
-            rgb[0] as f32 / 255.0,
-            rgb[1] as f32 / 255.0,
-            rgb[2] as f32 / 255.0,
-        ],
+        color_srgb: [rgb[0] as f32 / 255.0, rgb[1] as f32 / 255.0, rgb[2] as f32 / 255.0],
     }
 }
 

@@ -93,17 +93,10 @@ impl fmt::Display for ProblemList<'_> {
 }
 
 /// The candidate nearest to `wanted`, when it is near enough to be a slip of the hand.
-pub(super) fn nearest<'a>(
-    wanted: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
+pub(super) fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = wanted.to_lowercase();
     let length = wanted.chars().count();
-    let allowed = if length <= 3 {
-        length / 2
-    } else {
-        (length / 3).max(2)
-    };
+    let allowed = if length <= 3 { length / 2 } else { (length / 3).max(2) };
     candidates
         .into_iter()
         .map(|candidate| (distance(&wanted, &candidate.to_lowercase()), candidate))
@@ -116,28 +109,17 @@ pub(super) fn nearest<'a>(
 fn distance(wanted: &str, candidate: &str) -> usize {
     let edits = strsim::damerau_levenshtein(wanted, candidate);
     let contained = wanted.len() >= 3 && candidate.len() >= 3;
-    if contained && (candidate.contains(wanted) || wanted.contains(candidate)) {
-        edits.min(1)
-    } else {
-        edits
-    }
+    if contained && (candidate.contains(wanted) || wanted.contains(candidate)) { edits.min(1) } else { edits }
 }
 
 /// `; did you mean `x`?`, or the list of what there is, or nothing when there is nothing.
-pub(super) fn suggestion<'a>(
-    wanted: &str,
-    candidates: impl IntoIterator<Item = &'a str> + Clone,
-) -> String {
+pub(super) fn suggestion<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
     if let Some(name) = nearest(wanted, candidates.clone()) {
         return format!("; did you mean `{name}`?");
     }
     let mut names: Vec<String> = candidates.into_iter().map(|n| format!("`{n}`")).collect();
     names.dedup();
-    if names.is_empty() {
-        String::new()
-    } else {
-        format!("; there is {}", names.join(", "))
-    }
+    if names.is_empty() { String::new() } else { format!("; there is {}", names.join(", ")) }
 }
 
 #[cfg(test)]

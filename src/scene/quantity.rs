@@ -13,13 +13,7 @@ pub(super) struct Quantity {
 impl Quantity {
     /// Any finite number.
     pub const fn any(unit: &'static str) -> Self {
-        Self {
-            unit,
-            above: f64::NEG_INFINITY,
-            at_least: f64::MIN,
-            at_most: f64::MAX,
-            below: f64::INFINITY,
-        }
+        Self { unit, above: f64::NEG_INFINITY, at_least: f64::MIN, at_most: f64::MAX, below: f64::INFINITY }
     }
 
     /// A number above zero.
@@ -82,18 +76,11 @@ impl Quantity {
 
     /// ` (kg/m3)`, or nothing.
     pub fn unit_in_words(self) -> String {
-        if self.unit.is_empty() {
-            String::new()
-        } else {
-            format!(" ({})", self.unit)
-        }
+        if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) }
     }
 
     /// A number that passes, to go on with after a problem.
     pub fn stand_in(self) -> f64 {
-        [1.0, 0.0, 0.1, self.at_least]
-            .into_iter()
-            .find(|&number| self.allows(number))
-            .unwrap_or(0.25)
+        [1.0, 0.0, 0.1, self.at_least].into_iter().find(|&number| self.allows(number)).unwrap_or(0.25)
     }
 }

@@ -49,9 +49,7 @@ impl<'a> Table<'a> {
 
     /// Reports a problem with a key, or with the whole table for an empty or absent key.
     pub fn problem(&self, key: &str, message: String) {
-        let origin = self
-            .entry(key)
-            .map_or(self.origin, |entry| entry.node.origin);
+        let origin = self.entry(key).map_or(self.origin, |entry| entry.node.origin);
         self.findings.add(origin, &join(&self.path, key), message);
     }
 
@@ -60,10 +58,8 @@ impl<'a> Table<'a> {
         let group = std::iter::once(key).chain(rivals_of(key));
         let present: Vec<&str> = group.filter(|rival| self.has(rival)).collect();
         if let [first, .., last] = present[..] {
-            let message = format!(
-                "`{}` and `{first}` exclude each other; keep one of them",
-                self.name_of(last)
-            );
+            let message =
+                format!("`{}` and `{first}` exclude each other; keep one of them", self.name_of(last));
             self.problem(last, message);
         }
     }
@@ -87,8 +83,7 @@ impl<'a> Table<'a> {
     /// A number that must be there.
     pub fn required_number(&mut self, key: &'static str, quantity: Quantity) -> f64 {
         self.require(key, &format!("a number{}", quantity.unit_in_words()));
-        self.number(key, quantity)
-            .unwrap_or_else(|| quantity.stand_in())
+        self.number(key, quantity).unwrap_or_else(|| quantity.stand_in())
     }
 
     /// A whole number within limits (both included).
@@ -131,11 +126,7 @@ impl<'a> Table<'a> {
         let names = options.iter().map(|(name, _)| *name);
         self.problem(
             key,
-            format!(
-                "`{}` cannot be \"{word}\"{}",
-                self.name_of(key),
-                suggestion(&word, names)
-            ),
+            format!("`{}` cannot be \"{word}\"{}", self.name_of(key), suggestion(&word, names)),
         );
         None
     }
@@ -154,16 +145,9 @@ impl<'a> Table<'a> {
         high: usize,
         quantity: Quantity,
     ) -> Option<Vec<f64>> {
-        let items = self.list_of(
-            key,
-            low,
-            high,
-            &format!("numbers{}", quantity.unit_in_words()),
-        )?;
-        let numbers: Vec<f64> = items
-            .iter()
-            .filter_map(|item| self.checked_number(key, item, quantity))
-            .collect();
+        let items = self.list_of(key, low, high, &format!("numbers{}", quantity.unit_in_words()))?;
+        let numbers: Vec<f64> =
+            items.iter().filter_map(|item| self.checked_number(key, item, quantity)).collect();
         (numbers.len() == items.len()).then_some(numbers)
     }
 
@@ -174,10 +158,8 @@ impl<'a> Table<'a> {
             return self.checked_integer(key, node, low, high).map(|n| [n; 3]);
         }
         let items = self.list_of(key, 3, 3, "whole numbers, or one for all three")?;
-        let numbers: Vec<u32> = items
-            .iter()
-            .filter_map(|item| self.checked_integer(key, item, low, high))
-            .collect();
+        let numbers: Vec<u32> =
+            items.iter().filter_map(|item| self.checked_integer(key, item, low, high)).collect();
         <[u32; 3]>::try_from(numbers).ok()
     }
 
@@ -211,8 +193,7 @@ impl<'a> Table<'a> {
     pub fn table_or_empty(&mut self, key: &'static str) -> Table<'a> {
         let path = self.name_of(key);
         let pattern = join(&self.pattern, key);
-        self.table(key)
-            .unwrap_or_else(|| self.child(None, path, pattern))
+        self.table(key).unwrap_or_else(|| self.child(None, path, pattern))
     }
 
     /// A list of tables (`[[key]]`), each named by its `name` or its number.
@@ -331,13 +312,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    fn list_of(
-        &mut self,
-        key: &'static str,
-        low: usize,
-        high: usize,
-        what: &str,
-    ) -> Option<&'a [Node]> {
+    fn list_of(&mut self, key: &'static str, low: usize, high: usize, what: &str) -> Option<&'a [Node]> {
         let node = self.ask(key)?;
         match &node.value {
             Value::List(items) if (low..=high).contains(&items.len()) => Some(items),
@@ -362,11 +337,8 @@ impl<'a> Table<'a> {
         if quantity.allows(number) {
             return Some(number);
         }
-        let message = format!(
-            "`{}`{unit} must be {}, but is {number}",
-            self.name_of(key),
-            quantity.limits_in_words()
-        );
+        let message =
+            format!("`{}`{unit} must be {}, but is {number}", self.name_of(key), quantity.limits_in_words());
         self.report(node.origin, key, message);
         None
     }
@@ -385,16 +357,8 @@ impl<'a> Table<'a> {
 
     fn wrong_type(&self, key: &str, node: &Node, expected: &str) {
         let quoted_number = node.text().is_some_and(|text| text.parse::<f64>().is_ok());
-        let hint = if quoted_number && expected.contains("number") {
-            "; leave the quotes out"
-        } else {
-            ""
-        };
-        let message = format!(
-            "`{}` must be {expected}, but is {}{hint}",
-            self.name_of(key),
-            node.in_words()
-        );
+        let hint = if quoted_number && expected.contains("number") { "; leave the quotes out" } else { "" };
+        let message = format!("`{}` must be {expected}, but is {}{hint}", self.name_of(key), node.in_words());
         self.report(node.origin, key, message);
     }
 

@@ -24,28 +24,22 @@ pub(super) fn select(mesh: PlacedMesh, selection: &Selection) -> Result<Vec<u32>
         Selection::All => where_node(mesh.world, |_| true),
         Selection::Region(name) => nodes_of_region(mesh.world, name)?,
         Selection::Side { side, depth_m } => nodes_of_side(mesh, *side, *depth_m),
-        Selection::Box { min_m, max_m } => where_node(mesh.world, |x| {
-            x.cmpge(*min_m).all() && x.cmple(*max_m).all()
-        }),
+        Selection::Box { min_m, max_m } => {
+            where_node(mesh.world, |x| x.cmpge(*min_m).all() && x.cmple(*max_m).all())
+        }
         Selection::Sphere { center_m, radius_m } => {
             where_node(mesh.world, |x| x.distance(*center_m) <= *radius_m)
         }
     };
     if nodes.is_empty() {
-        return Err(format!(
-            "no node of the body lies there{}",
-            reach(mesh.world)
-        ));
+        return Err(format!("no node of the body lies there{}", reach(mesh.world)));
     }
     Ok(nodes)
 }
 
 fn where_node(mesh: &TetMesh, inside: impl Fn(DVec3) -> bool) -> Vec<u32> {
     let nodes = mesh.nodes_m.iter().enumerate();
-    nodes
-        .filter(|&(_, &x)| inside(x))
-        .map(|(index, _)| index as u32)
-        .collect()
+    nodes.filter(|&(_, &x)| inside(x)).map(|(index, _)| index as u32).collect()
 }
 
 fn nodes_of_region(mesh: &TetMesh, name: &str) -> Result<Vec<u32>, String> {
@@ -55,10 +49,8 @@ fn nodes_of_region(mesh: &TetMesh, name: &str) -> Result<Vec<u32>, String> {
         return Err(format!("the body has no region called `{name}`{hint}"));
     };
     let tets = mesh.tets.iter().zip(&mesh.regions);
-    let mut nodes: Vec<u32> = tets
-        .filter(|(_, of)| **of as usize == region)
-        .flat_map(|(tet, _)| *tet)
-        .collect();
+    let mut nodes: Vec<u32> =
+        tets.filter(|(_, of)| **of as usize == region).flat_map(|(tet, _)| *tet).collect();
     nodes.sort_unstable();
     nodes.dedup();
     Ok(nodes)
@@ -75,11 +67,7 @@ fn nodes_of_side(mesh: PlacedMesh, side: Side, depth_m: f64) -> Vec<u32> {
     };
     let layer_m = depth_m + SIDE_SHARE * (high - low).length();
     where_node(mesh, |x| {
-        let inward_m = if largest {
-            high[axis] - x[axis]
-        } else {
-            x[axis] - low[axis]
-        };
+        let inward_m = if largest { high[axis] - x[axis] } else { x[axis] - low[axis] };
         inward_m <= layer_m
     })
 }

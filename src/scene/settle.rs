@@ -57,17 +57,12 @@ fn pair_height_m(upper: &[DVec3; 3], lower: &[DVec3; 3]) -> Option<f64> {
     if area(&common) <= 1e-9 * smaller {
         return None;
     }
-    common
-        .iter()
-        .map(|&at| height_at(upper, at) - height_at(lower, at))
-        .min_by(f64::total_cmp)
+    common.iter().map(|&at| height_at(upper, at) - height_at(lower, at)).min_by(f64::total_cmp)
 }
 
 /// The part of one triangle's shadow inside the other's (Sutherland and Hodgman 1974).
 fn clip(subject: &[DVec2; 3], window: &[DVec2; 3]) -> Vec<DVec2> {
-    let turn = (window[1] - window[0])
-        .perp_dot(window[2] - window[0])
-        .signum();
+    let turn = (window[1] - window[0]).perp_dot(window[2] - window[0]).signum();
     let mut polygon = subject.to_vec();
     for side in 0..3 {
         let (from, to) = (window[side], window[(side + 1) % 3]);
@@ -96,9 +91,7 @@ fn area(polygon: &[DVec2]) -> f64 {
     let Some(&origin) = polygon.first() else {
         return 0.0;
     };
-    let fan = polygon
-        .windows(2)
-        .map(|pair| (pair[0] - origin).perp_dot(pair[1] - origin));
+    let fan = polygon.windows(2).map(|pair| (pair[0] - origin).perp_dot(pair[1] - origin));
     fan.sum::<f64>().abs() / 2.0
 }
 
@@ -118,22 +111,12 @@ mod tests {
     }
 
     fn lying(z: f64) -> TetMesh {
-        tet([
-            [0.0, 0.0, z],
-            [2.0, 0.0, z],
-            [0.0, 2.0, z],
-            [0.5, 0.5, z + 1.0],
-        ])
+        tet([[0.0, 0.0, z], [2.0, 0.0, z], [0.0, 2.0, z], [0.5, 0.5, z + 1.0]])
     }
 
     #[test]
     fn a_tip_over_a_slope_is_measured_where_they_meet_first() {
-        let hanging = tet([
-            [0.6, 0.5, 3.0],
-            [0.4, 0.7, 5.0],
-            [0.4, 0.3, 5.0],
-            [1.4, 0.5, 5.0],
-        ]);
+        let hanging = tet([[0.6, 0.5, 3.0], [0.4, 0.7, 5.0], [0.4, 0.3, 5.0], [1.4, 0.5, 5.0]]);
         let slope = 1.0 - 0.1 / 1.0;
         let found = free_height_m(&hanging, &lying(0.0)).unwrap();
         assert!((found - (3.0 - slope)).abs() < 1e-9, "{found}");
@@ -141,12 +124,7 @@ mod tests {
 
     #[test]
     fn a_body_beside_another_does_not_stand_on_it() {
-        let beside = tet([
-            [2.0, 0.0, 3.0],
-            [4.0, 0.0, 3.0],
-            [2.0, 2.0, 3.0],
-            [2.5, 0.5, 4.0],
-        ]);
+        let beside = tet([[2.0, 0.0, 3.0], [4.0, 0.0, 3.0], [2.0, 2.0, 3.0], [2.5, 0.5, 4.0]]);
         assert_eq!(free_height_m(&beside, &lying(0.0)), None);
         assert!((free_height_m(&lying(3.0), &lying(0.5)).unwrap() - 1.5).abs() < 1e-12);
     }

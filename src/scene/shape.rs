@@ -84,9 +84,7 @@ impl Shape {
 fn read_mesh_file(mut table: Table) -> Shape {
     Shape::File(MeshFile {
         file: table.required_text("file"),
-        scale: table
-            .number("scale", Quantity::positive("m per unit of the file"))
-            .unwrap_or(1.0),
+        scale: table.number("scale", Quantity::positive("m per unit of the file")).unwrap_or(1.0),
         drop_bad_elements: table.flag("drop_bad_elements").unwrap_or(false),
         keep_origin: table.flag("keep_origin").unwrap_or(false),
     })
@@ -112,25 +110,14 @@ fn read_built_in(mut table: Table) -> Option<Shape> {
     };
     Some(Shape::BuiltIn {
         shape,
-        meshing: read_meshing(
-            &mut table,
-            matches!(kind, Kind::Box | Kind::Rod | Kind::Plate | Kind::Pile),
-        ),
+        meshing: read_meshing(&mut table, matches!(kind, Kind::Box | Kind::Rod | Kind::Plate | Kind::Pile)),
     })
 }
 
 fn read_meshing(table: &mut Table, has_cells: bool) -> Meshing {
-    let refinement = table
-        .integer("refinement", 1, 1000)
-        .map(Resolution::Refinement);
-    let element_size = table
-        .number("element_size", METRES)
-        .map(Resolution::ElementSize);
-    let cells = if has_cells {
-        table.integers("cells", 1, 100_000).map(Resolution::Cells)
-    } else {
-        None
-    };
+    let refinement = table.integer("refinement", 1, 1000).map(Resolution::Refinement);
+    let element_size = table.number("element_size", METRES).map(Resolution::ElementSize);
+    let cells = if has_cells { table.integers("cells", 1, 100_000).map(Resolution::Cells) } else { None };
     table.refuse_rivals("cells");
     let splits = [("six", HexSplit::Six), ("five", HexSplit::Five)];
     Meshing {
@@ -145,9 +132,7 @@ fn size(table: &mut Table, key: &'static str, value_m: &mut f64) {
 
 fn read_box(table: &mut Table) -> shapes::BoxShape {
     let size = table.numbers("size", 3, 3, METRES);
-    size.map_or_else(shapes::BoxShape::default, |size| shapes::BoxShape {
-        size_m: DVec3::from_slice(&size),
-    })
+    size.map_or_else(shapes::BoxShape::default, |size| shapes::BoxShape { size_m: DVec3::from_slice(&size) })
 }
 
 fn read_rod(table: &mut Table) -> shapes::Rod {
@@ -181,13 +166,8 @@ fn read_beam(table: &mut Table) -> shapes::Beam {
     size(table, "height", &mut beam.height_m);
     size(table, "notch_width", &mut beam.notch_width_m);
     size(table, "notch_depth", &mut beam.notch_depth_m);
-    let sides = [
-        ("top", shapes::NotchSide::Top),
-        ("bottom", shapes::NotchSide::Bottom),
-    ];
-    beam.notch_side = table
-        .choice("notch_side", &sides)
-        .unwrap_or(beam.notch_side);
+    let sides = [("top", shapes::NotchSide::Top), ("bottom", shapes::NotchSide::Bottom)];
+    beam.notch_side = table.choice("notch_side", &sides).unwrap_or(beam.notch_side);
     beam
 }
 

@@ -31,10 +31,7 @@ pub(super) fn mesh_of(shape: &Shape, folder: &Path) -> Result<ShapeMesh, ShapePr
         Shape::BuiltIn { shape, meshing } => {
             let mut mesh = shape.build(meshing).map_err(problem_of_shape)?;
             centre(&mut mesh);
-            Ok(ShapeMesh {
-                mesh,
-                notes: Vec::new(),
-            })
+            Ok(ShapeMesh { mesh, notes: Vec::new() })
         }
         Shape::File(file) => mesh_of_file(file, folder),
     }
@@ -65,12 +62,7 @@ fn centre(mesh: &mut TetMesh) {
 /// The mesher's arguments are the scene's keys with their unit at the end.
 fn problem_of_shape(error: ShapeError) -> ShapeProblem {
     let (key, message) = match &error {
-        ShapeError::Argument {
-            shape,
-            argument,
-            value,
-            expected,
-        } => {
+        ShapeError::Argument { shape, argument, value, expected } => {
             let key = argument.replace("_m", "");
             let expected = expected.replace("_m`", "`");
             let message = format!("{shape}: `{key}` is {value}, but it must be {expected}");
@@ -86,15 +78,9 @@ fn problem_of_shape(error: ShapeError) -> ShapeProblem {
         ),
         ShapeError::NoCells { .. } => (".cells".to_owned(), error.to_string()),
     };
-    ShapeProblem {
-        key: format!("shape{key}"),
-        message,
-    }
+    ShapeProblem { key: format!("shape{key}"), message }
 }
 
 fn mesh_of_file(file: &MeshFile, folder: &Path) -> Result<ShapeMesh, ShapeProblem> {
-    Err(ShapeProblem {
-        key: "mesh.file".to_owned(),
-        message: format!("{} {}", file.file, folder.display()),
-    })
+    Err(ShapeProblem { key: "mesh.file".to_owned(), message: format!("{} {}", file.file, folder.display()) })
 }

@@ -61,29 +61,21 @@ impl SceneSummary {
         (self.duration_s / self.step_s()).ceil()
     }
 
-    pub(super) fn of(
-        title: &str,
-        duration_s: f64,
-        setup: &WorldSetup,
-        notes: Vec<(String, String)>,
-    ) -> Self {
+    pub(super) fn of(title: &str, duration_s: f64, setup: &WorldSetup, notes: Vec<(String, String)>) -> Self {
         let (cfl, max_step_s) = (setup.time.cfl, setup.time.max_step_s);
         let bodies = setup.bodies.iter();
         Self {
             title: title.to_owned(),
             duration_s,
-            bodies: bodies
-                .map(|body| summary_of(body, cfl, max_step_s))
-                .collect(),
+            bodies: bodies.map(|body| summary_of(body, cfl, max_step_s)).collect(),
             notes,
         }
     }
 }
 
 fn summary_of(body: &BodySetup, cfl: f64, max_step_s: f64) -> BodySummary {
-    let elements: Vec<(f64, f64)> = (0..body.mesh.tets.len())
-        .map(|element| mass_and_step(body, element))
-        .collect();
+    let elements: Vec<(f64, f64)> =
+        (0..body.mesh.tets.len()).map(|element| mass_and_step(body, element)).collect();
     let mass_kg: f64 = elements.iter().map(|(mass, _)| mass).sum();
     let budget_kg = body.mass_scaling_max_share * mass_kg;
     let (step_s, added_mass_kg) = match body.motion {
@@ -95,11 +87,7 @@ fn summary_of(body: &BodySetup, cfl: f64, max_step_s: f64) -> BodySummary {
         elements: body.mesh.tets.len(),
         nodes: body.mesh.nodes_m.len(),
         mass_kg,
-        step_s: (cfl * step_s).min(if step_s.is_finite() {
-            max_step_s
-        } else {
-            step_s
-        }),
+        step_s: (cfl * step_s).min(if step_s.is_finite() { max_step_s } else { step_s }),
         added_mass_kg,
     }
 }
@@ -109,10 +97,7 @@ fn mass_and_step(body: &BodySetup, element: usize) -> (f64, f64) {
     let shape = ElementShape::of(&body.mesh.corners_m(element));
     let material = &body.materials[body.element_material[element] as usize];
     let mass_kg = material.density_kg_m3 * shape.volume_m3.abs();
-    (
-        mass_kg,
-        shape.min_altitude_m / pressure_wave_speed_m_s(material),
-    )
+    (mass_kg, shape.min_altitude_m / pressure_wave_speed_m_s(material))
 }
 
 /// c_p = sqrt((lambda + 2 mu) / rho).
@@ -150,12 +135,7 @@ impl fmt::Display for SceneSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
         writeln!(f, "  {} elements, {} nodes", self.elements(), self.nodes())?;
-        let width = self
-            .bodies
-            .iter()
-            .map(|body| body.name.len())
-            .max()
-            .unwrap_or(0);
+        let width = self.bodies.iter().map(|body| body.name.len()).max().unwrap_or(0);
         for body in &self.bodies {
             writeln!(f, "  {:width$}  {body}", body.name)?;
         }
@@ -178,11 +158,7 @@ impl fmt::Display for SceneSummary {
 
 impl fmt::Display for BodySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} elements, {} nodes, {:.4} kg",
-            self.elements, self.nodes, self.mass_kg
-        )?;
+        write!(f, "{} elements, {} nodes, {:.4} kg", self.elements, self.nodes, self.mass_kg)?;
         if self.step_s.is_finite() {
             write!(f, ", step {:.2e} s", self.step_s)?;
         } else {

@@ -50,10 +50,7 @@ impl Node {
 
     /// The value of a key, when this is a table that has it.
     pub fn get(&self, key: &str) -> Option<&Node> {
-        self.entries()?
-            .iter()
-            .find(|entry| entry.key == key)
-            .map(|entry| &entry.node)
+        self.entries()?.iter().find(|entry| entry.key == key).map(|entry| &entry.node)
     }
 
     /// The text, when this is one.
@@ -89,10 +86,7 @@ impl Node {
 
 /// The tree of a parsed document, entries in the order of the text.
 pub(super) fn from_document(table: &Spanned<DeTable<'_>>) -> Node {
-    Node {
-        origin: Origin::Text(table.span().start),
-        value: Value::Table(entries_of(table.get_ref(), None)),
-    }
+    Node { origin: Origin::Text(table.span().start), value: Value::Table(entries_of(table.get_ref(), None)) }
 }
 
 /// The tree of the value of an override, every part of it from that override.
@@ -111,18 +105,13 @@ fn convert(value: &DeValue<'_>, start: usize, origin: Option<Origin>) -> Node {
         DeValue::Array(items) => Value::List(items.iter().map(nested).collect()),
         DeValue::Table(table) => Value::Table(entries_of(table, origin)),
     };
-    Node {
-        origin: origin.unwrap_or(Origin::Text(start)),
-        value,
-    }
+    Node { origin: origin.unwrap_or(Origin::Text(start)), value }
 }
 
 /// Integers beyond 64 bits become floating point: the checks then name a sensible limit.
 fn integer(digits: &str, radix: u32) -> Value {
-    i64::from_str_radix(digits, radix).map_or_else(
-        |_| Value::Float(digits.parse().unwrap_or(f64::INFINITY)),
-        Value::Integer,
-    )
+    i64::from_str_radix(digits, radix)
+        .map_or_else(|_| Value::Float(digits.parse().unwrap_or(f64::INFINITY)), Value::Integer)
 }
 
 fn entries_of(table: &DeTable<'_>, origin: Option<Origin>) -> Vec<Entry> {

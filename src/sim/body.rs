@@ -258,9 +258,7 @@ impl Body {
     /// Strain energy, J.
     pub fn strain_j(&self) -> f64 {
         match self.regime {
-            Regime::Elastic | Regime::Asleep => {
-                self.elasticity.as_ref().map_or(0.0, |e| e.strain_energy_j)
-            }
+            Regime::Elastic | Regime::Asleep => self.elasticity.as_ref().map_or(0.0, |e| e.strain_energy_j),
             _ => 0.0,
         }
     }
@@ -269,9 +267,7 @@ impl Body {
     pub fn mass_displacement(&self) -> DVec3 {
         match self.regime {
             Regime::Fixed | Regime::Kinematic => DVec3::ZERO,
-            Regime::Free(motion) => {
-                (motion.centre_m - self.reference.centre_m) * self.reference.mass_kg
-            }
+            Regime::Free(motion) => (motion.centre_m - self.reference.centre_m) * self.reference.mass_kg,
             _ => {
                 let nodes = self.mass_kg.iter().zip(&self.position_m).zip(&self.reference_m);
                 nodes.map(|((m, x), start)| (*x - *start) * *m).sum()

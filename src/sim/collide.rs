@@ -5,14 +5,16 @@ use super::broad::NearPair;
 use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
 use crate::contact::response::{
-    NodeTable, ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets, solve,
-    sort_by_place,
+    ContactNode, NodeTable, ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets,
+    solve, sort_by_place,
 };
 use crate::contact::{BodyView, CollisionList, Constraint, PairView, detect};
 use glam::DVec3;
 
 /// Rounds of "respond, look whether the correction closed a pair that was left out".
 const MOST_ROUNDS: u32 = 6;
+/// Penetration at the end of the step, as a share of the local size, below which a pair may be left out.
+const LEFT_OUT_DEPTH: f64 = 1e-4;
 
 /// What a step's contact did, to be added up.
 #[derive(Clone, Debug, Default)]
@@ -26,7 +28,7 @@ pub(super) struct ContactOutcome {
 
 /// What contact of an island needs to know.
 pub(super) struct ContactScene<'a> {
-    pub bodies: &'a [Body],
+    pub bodies: &'a mut [Body],
     pub pairs: Vec<&'a NearPair>,
     pub parameters: &'a ContactParameters,
     pub list: &'a CollisionList,
@@ -37,17 +39,11 @@ pub(super) struct ContactScene<'a> {
 impl ContactScene<'_> {
     fn view(&self, body: usize) -> BodyView<'_> {
         let body = &self.bodies[body];
-        BodyView {
-            surface: &body.surface,
-            positions_m: &body.position_m,
-            velocities_m_s: &body.velocity_m_s,
-        }
+        BodyView { surface: &body.surface, positions_m: &body.position_m, velocities_m_s: &body.velocity_m_s }
     }
 
     fn friction(&self, bodies: [usize; 2]) -> f64 {
-        let same = |p: &super::PairFriction| {
-            p.bodies == bodies || p.bodies == [bodies[1], bodies[0]]
-        };
+        let same = |p: &super::PairFriction| p.bodies == bodies || p.bodies == [bodies[1], bodies[0]];
         let exception = self.parameters.pair_friction.iter().find(|p| same(p));
         exception.map_or(self.parameters.friction_coefficient, |p| p.friction_coefficient)
     }
@@ -67,10 +63,31 @@ impl ContactScene<'_> {
     }
 
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
-        NodeTable::new(constraints, |body, node| {
-            let body = &self.bodies[body as usize];
-            (body.velocity_m_s[node as usize], body.inverse_mass_per_kg[node as usize])
+        self.table_with(constraints, |_, v| v)
+    }
+
+    /// The table with half-step velocities that `half_of` may replace.
+    fn table_with(
+        &self,
+        constraints: &[Constraint],
+        half_of: impl Fn((u32, u32), DVec3) -> DVec3,
+    ) -> NodeTable {
+        NodeTable::new(constraints, |id| {
+            let (body, node) = (&self.bodies[id.0 as usize], id.1 as usize);
+            let half = half_of(id, body.velocity_m_s[node]);
+            let inverse_mass = body.inverse_mass_per_kg[node];
+            let kick = body.acceleration_m_s2[node] * (0.5 * self.step_s);
+            let start = half - DVec3::select(inverse_mass.cmpgt(DVec3::ZERO), kick, DVec3::ZERO);
+            ContactNode::new(id, [start, half], inverse_mass)
         })
+    }
+
+    /// Whether the constraint is a node of the finer body on the coarser one's patch. Enforcing these
+    /// alone first leaves out what both sides would say twice, and the passes converge fast.
+    fn is_primary(&self, c: &Constraint) -> bool {
+        let [own, other] = c.bodies.map(|b| &self.bodies[b as usize]);
+        let is_node = matches!(c.feature, Feature::NodeOnPatch { .. });
+        is_node && (c.bodies[0] == c.bodies[1] || is_finer(own, other))
     }
 
     /// Closing speed below which nothing bounces, m/s.
@@ -88,20 +105,35 @@ impl ContactScene<'_> {
     }
 }
 
-/// Finds and solves the contacts of an island for the predicted velocities; returns the outcome and the table of
-/// corrected nodes.
-pub(super) fn respond(scene: &ContactScene) -> (ContactOutcome, NodeTable) {
+/// Whether `a`'s nodes go first. Between equals the place decides, not the number.
+fn is_finer(a: &Body, b: &Body) -> bool {
+    if !a.is_deformable() || !b.is_deformable() {
+        return a.is_deformable();
+    }
+    let ratio = a.mean_size_m / b.mean_size_m;
+    if (ratio - 1.0).abs() > 1e-6 {
+        return ratio < 1.0;
+    }
+    let key = |x: &Body| x.reference.centre_m.to_array();
+    let (ka, kb) = (key(a), key(b));
+    (0..3).rev().map(|i| ka[i].total_cmp(&kb[i])).find(|o| o.is_ne()).is_some_and(|o| o.is_gt())
+}
+
+/// Finds and solves the contacts of an island for the predicted velocities, and writes the corrected
+/// velocities to the bodies.
+pub(super) fn respond(scene: &mut ContactScene) -> ContactOutcome {
     let mut constraints = scene.find();
     if constraints.is_empty() {
-        return (ContactOutcome::default(), NodeTable::default());
+        return ContactOutcome::default();
     }
-    sort_by_place(&mut constraints);
-    let mut table = scene.table(&constraints);
     match scene.parameters.method {
         ContactMethod::Penalty { stiffness_n_m } => {
+            sort_by_place(&mut constraints);
+            let mut table = scene.table(&constraints);
             let response = apply_penalty(&mut constraints, &mut table, stiffness_n_m, scene.step_s);
+            write_back(scene.bodies, &table);
             let spring_j = penalty_energy_j(&constraints, stiffness_n_m);
-            (ContactOutcome { constraints, response, spring_j }, table)
+            ContactOutcome { constraints, response, spring_j }
         }
         ContactMethod::Lagrange { passes, tolerance, conserve_impact_energy } => {
             let parameters = ResponseParameters {
@@ -111,76 +143,74 @@ pub(super) fn respond(scene: &ContactScene) -> (ContactOutcome, NodeTable) {
                 conserve_impact_energy,
                 rest_speed_m_s: scene.rest_speed_m_s(),
             };
-            let (response, constraints, table) = solve_all(scene, constraints, &parameters);
-            (ContactOutcome { constraints, response, spring_j: 0.0 }, table)
+            let (response, constraints) = solve_all(scene, constraints, &parameters);
+            ContactOutcome { constraints, response, spring_j: 0.0 }
         }
     }
 }
 
-/// Solves, and adds pairs that the corrected velocities close, until there are none.
+/// Solves the primary pairs, then adds what the corrected velocities still close, until nothing is left.
 fn solve_all(
-    scene: &ContactScene,
-    mut constraints: Vec<Constraint>,
+    scene: &mut ContactScene,
+    found: Vec<Constraint>,
     parameters: &ResponseParameters,
-) -> (ResponseReport, Vec<Constraint>, NodeTable) {
-    let mut known: Vec<([u32; 2], Feature)> = Vec::new();
-    for round in 0.. {
-        let mut table = scene.table(&constraints);
-        set_targets(&mut constraints, &table, parameters);
-        let report = solve(&mut constraints, &mut table, parameters);
-        if round + 1 >= MOST_ROUNDS || constraints.iter().all(|c| c.impulse_n_s == DVec3::ZERO) {
-            return (report, constraints, table);
-        }
-        known.clear();
-        known.extend(constraints.iter().map(|c| (c.bodies, c.feature)));
-        known.sort_unstable();
-        let added = newly_closed(scene, &table, &known);
-        if added.is_empty() {
-            return (report, constraints, table);
-        }
-        constraints.iter_mut().for_each(|c| c.impulse_n_s = DVec3::ZERO);
-        constraints.extend(added);
-        sort_by_place(&mut constraints);
+) -> (ResponseReport, Vec<Constraint>) {
+    let (mut active, others): (Vec<_>, Vec<_>) = found.into_iter().partition(|c| scene.is_primary(c));
+    if active.is_empty() {
+        active = others;
     }
-    unreachable!("the loop returns")
+    let mut round = 0;
+    loop {
+        sort_by_place(&mut active);
+        let mut table = scene.table(&active);
+        set_targets(&mut active, &table, parameters);
+        let report = solve(&mut active, &mut table, parameters);
+        write_back(scene.bodies, &table);
+        round += 1;
+        if round >= MOST_ROUNDS {
+            return (report, active);
+        }
+        let added = still_closing(scene, &active, &table);
+        if added.is_empty() {
+            return (report, active);
+        }
+        take_back(scene.bodies, &table);
+        active.iter_mut().for_each(|c| c.impulse_n_s = DVec3::ZERO);
+        active.extend(added);
+    }
 }
 
-/// Pairs that close under the corrected velocities and are not known yet.
-fn newly_closed(
-    scene: &ContactScene,
-    table: &NodeTable,
-    known: &[([u32; 2], Feature)],
-) -> Vec<Constraint> {
-    let mut velocities: Vec<Option<Vec<DVec3>>> = vec![None; scene.bodies.len()];
-    for node in &table.nodes {
-        let body = node.body as usize;
-        let corrected =
-            velocities[body].get_or_insert_with(|| scene.bodies[body].velocity_m_s.clone());
-        corrected[node.node as usize] = node.velocity_m_s;
-    }
-    let mut found = Vec::new();
-    for pair in &scene.pairs {
-        let views = pair.bodies.map(|b| {
-            let mut view = scene.view(b);
-            if let Some(corrected) = &velocities[b] {
-                view.velocities_m_s = corrected;
-            }
-            view
-        });
-        let view = PairView {
-            bodies: pair.bodies.map(|b| b as u32),
-            views,
-            candidates: &pair.candidates,
-            friction_coefficient: scene.friction(pair.bodies),
-        };
-        detect(&view, scene.step_s, scene.list, &mut found);
-    }
+/// Pairs that are not enforced and would penetrate with the velocities as they are now. Where the enforced pairs
+/// have taken away most of the approach already, what is left is only to be stopped, not to be bounced.
+fn still_closing(scene: &ContactScene, active: &[Constraint], corrected: &NodeTable) -> Vec<Constraint> {
+    let mut known: Vec<([u32; 2], Feature)> = active.iter().map(|c| (c.bodies, c.feature)).collect();
+    known.sort_unstable();
+    let mut found = scene.find();
     found.retain(|c| known.binary_search(&(c.bodies, c.feature)).is_err());
-    found
+    let table = scene.table(&found);
+    let predicted = scene.table_with(&found, |id, v| corrected.predicted_of(id).unwrap_or(v));
+    let closing = |table: &NodeTable, row: usize, c: &Constraint| {
+        -scene.step_s * table.relative_velocity(row, &c.weights).dot(c.normal)
+    };
+    let mut closing_pairs = Vec::new();
+    for (row, mut c) in found.into_iter().enumerate() {
+        let (now_m, before_m) = (closing(&table, row, &c), closing(&predicted, row, &c));
+        if c.gap_m - now_m < -LEFT_OUT_DEPTH * c.size_m {
+            c.may_bounce = now_m > 0.5 * before_m;
+            closing_pairs.push(c);
+        }
+    }
+    closing_pairs
+}
+
+fn take_back(bodies: &mut [Body], table: &NodeTable) {
+    for (node, predicted) in table.nodes.iter().zip(table.predicted_m_s()) {
+        bodies[node.body as usize].velocity_m_s[node.node as usize] = *predicted;
+    }
 }
 
 /// Writes the corrected velocities back to the bodies.
-pub(super) fn write_back(bodies: &mut [Body], table: &NodeTable) {
+fn write_back(bodies: &mut [Body], table: &NodeTable) {
     for node in &table.nodes {
         let body = &mut bodies[node.body as usize];
         if body.regime == Regime::Elastic {
@@ -200,9 +230,7 @@ pub(super) fn penetration(bodies: &[Body], constraints: &[Constraint]) -> (f64, 
         };
         let geometry = match c.feature {
             Feature::NodeOnPatch { .. } => Geometry::node_on_patch(at(0), [at(1), at(2), at(3)]),
-            Feature::EdgeOnEdge { .. } => {
-                Geometry::edge_on_edge([at(0), at(1)], [at(2), at(3)], c.normal)
-            }
+            Feature::EdgeOnEdge { .. } => Geometry::edge_on_edge([at(0), at(1)], [at(2), at(3)], c.normal),
         };
         let Some(g) = geometry.filter(|g| g.is_inside(0.0)) else { continue };
         deepest = (deepest.0.max(-g.gap_m), deepest.1.max(-g.gap_m / c.size_m));

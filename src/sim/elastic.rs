@@ -98,8 +98,7 @@ impl Body {
         let now = MassProperties::of_points(&self.mass_kg, &self.position_m);
         let velocity = self.linear_momentum() / now.mass_kg;
         let nodes = self.mass_kg.iter().zip(&self.velocity_m_s).zip(&self.position_m);
-        let angular: DVec3 =
-            nodes.map(|((m, v), x)| (*x - now.centre_m).cross(*v - velocity) * *m).sum();
+        let angular: DVec3 = nodes.map(|((m, v), x)| (*x - now.centre_m).cross(*v - velocity) * *m).sum();
         (now.centre_m, velocity, solve_inertia(&now.inertia_kg_m2, angular))
     }
 
@@ -129,8 +128,12 @@ impl Body {
     pub fn update_acceleration(&mut self, c: &StepContext) -> Result<(), SimError> {
         let kinematics = self.element_kinematics();
         let Some(elasticity) = &mut self.elasticity else { return Ok(()) };
-        let state =
-            elasticity.elements.forces(&mut elasticity.scratch, &self.position_m, kinematics, &mut self.force_n);
+        let state = elasticity.elements.forces(
+            &mut elasticity.scratch,
+            &self.position_m,
+            kinematics,
+            &mut self.force_n,
+        );
         elasticity.strain_energy_j = state.strain_energy_j;
         elasticity.max_strain = state.max_strain;
         if !state.strain_energy_j.is_finite() {
@@ -181,9 +184,10 @@ impl Body {
     }
 
     fn not_finite(&self, c: &StepContext) -> SimError {
-        let found = self.elasticity.as_ref().and_then(|e| {
-            e.elements.first_not_finite(&self.position_m, self.element_kinematics())
-        });
+        let found = self
+            .elasticity
+            .as_ref()
+            .and_then(|e| e.elements.first_not_finite(&self.position_m, self.element_kinematics()));
         let place = match found {
             Some(NotFinitePlace::Node(node)) => {
                 let element = self.tets.iter().position(|t| t.contains(&(node as u32)));

@@ -48,10 +48,7 @@ pub(super) fn marks<'a>(
 ) -> Vec<ContactMark> {
     constraints
         .filter(|c| c.impulse_n_s != DVec3::ZERO && duration_s > 0.0)
-        .map(|c| ContactMark {
-            position_m: to_f32(c.place_m),
-            force_n: to_f32(c.impulse_n_s / duration_s),
-        })
+        .map(|c| ContactMark { position_m: to_f32(c.place_m), force_n: to_f32(c.impulse_n_s / duration_s) })
         .collect()
 }
 

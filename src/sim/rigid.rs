@@ -43,8 +43,7 @@ impl RigidMotion {
     /// The motion `duration_s` later.
     pub fn after(&self, duration_s: f64, gravity_m_s2: DVec3) -> Self {
         let mut moved = *self;
-        moved.centre_m +=
-            self.velocity_m_s * duration_s + gravity_m_s2 * (0.5 * duration_s * duration_s);
+        moved.centre_m += self.velocity_m_s * duration_s + gravity_m_s2 * (0.5 * duration_s * duration_s);
         moved.velocity_m_s += gravity_m_s2 * duration_s;
         let angle_rad = self.spin_rad_s().length() * duration_s;
         let steps = (angle_rad / LARGEST_ANGLE_RAD).ceil().clamp(1.0, 1e7);

@@ -2,7 +2,7 @@
 
 use super::body::{Regime, prescribed_pose};
 use super::broad::islands;
-use super::collide::{ContactOutcome, ContactScene, penetration, respond, write_back};
+use super::collide::{ContactOutcome, ContactScene, penetration, respond};
 use super::elastic::StepContext;
 use super::rest::{RestView, fall_asleep, is_near_mover, try_free_travel};
 use super::touch::{Touch, first_touch, prescribed_positions};
@@ -33,8 +33,7 @@ impl World {
         let before = self.phases.elastic_s + self.phases.detection_s + self.phases.response_s;
         let was_colliding = !self.list.is_empty();
         let is_elastic = self.bodies.iter().any(|b| b.regime == Regime::Elastic);
-        let mut report =
-            if is_elastic { self.elastic_step(limit_s)? } else { self.free_step(limit_s) };
+        let mut report = if is_elastic { self.elastic_step(limit_s)? } else { self.free_step(limit_s) };
         self.steps += 1;
         if was_colliding && self.list.is_empty() && is_elastic {
             report.stage = Stage::End;
@@ -110,8 +109,7 @@ impl World {
             _ => return,
         }
         body.regime = Regime::Elastic;
-        let context =
-            StepContext { time_s: self.time_s, step_s: 0.0, gravity_m_s2: self.setup.gravity_m_s2 };
+        let context = StepContext { time_s: self.time_s, step_s: 0.0, gravity_m_s2: self.setup.gravity_m_s2 };
         // A waking body was finite when it fell asleep or took off; a blow-up shows in its first step.
         let _ = body.update_acceleration(&context);
         self.rest[index].disturb();
@@ -275,7 +273,8 @@ impl World {
             body.update_acceleration(context).map_err(|e| e.in_step(self.steps + 1))?;
             body.kick_second_half(context);
         }
-        self.phases.elastic_s += kicked.duration_since(clock).as_secs_f64() + collided.elapsed().as_secs_f64();
+        self.phases.elastic_s +=
+            kicked.duration_since(clock).as_secs_f64() + collided.elapsed().as_secs_f64();
         self.phases.response_s += collided.duration_since(kicked).as_secs_f64();
         self.book(&outcome, context, collected);
         Ok(())
@@ -283,17 +282,15 @@ impl World {
 
     fn collide(&mut self, group: &[usize], context: &StepContext, list: &CollisionList) -> ContactOutcome {
         let in_group = |b: &usize| group.binary_search(b).is_ok();
-        let scene = ContactScene {
-            bodies: &self.bodies,
+        let mut scene = ContactScene {
+            bodies: &mut self.bodies,
             pairs: self.broad.pairs.iter().filter(|p| p.bodies.iter().any(in_group)).collect(),
             parameters: &self.setup.contact,
             list,
             step_s: context.step_s,
             gravity_m_s2: self.setup.gravity_m_s2.length(),
         };
-        let (outcome, table) = respond(&scene);
-        write_back(&mut self.bodies, &table);
-        outcome
+        respond(&mut scene)
     }
 
     /// Adds an outcome to the balances, the log and the report.
@@ -332,8 +329,7 @@ impl World {
         let constraints = || collected.outcomes.iter().flat_map(|o| &o.constraints);
         let pressing = constraints().filter(|c| c.impulse_n_s != DVec3::ZERO).count();
         report.contact_pairs = pressing as u32;
-        report.contact_force_n =
-            if duration_s > 0.0 { collected.impulse_sum_n_s / duration_s } else { 0.0 };
+        report.contact_force_n = if duration_s > 0.0 { collected.impulse_sum_n_s / duration_s } else { 0.0 };
         report.stage = if pressing > 0 { Stage::Collision } else { Stage::Vibrating };
         self.spring_j = collected.spring_j;
         self.marks = super::publish::marks(constraints(), duration_s);

@@ -70,9 +70,7 @@ impl<'a> Mover<'a> {
                 let t = time_s - self.start_s;
                 motion.centre_m + motion.velocity_m_s * t + self.gravity_m_s2 * (0.5 * t * t)
             }
-            Path::Prescribed(motion) => {
-                self.body.reference.centre_m + prescribed_pose(motion, time_s).0
-            }
+            Path::Prescribed(motion) => self.body.reference.centre_m + prescribed_pose(motion, time_s).0,
             Path::Still => self.body.reference.centre_m,
         }
     }
@@ -94,9 +92,9 @@ impl<'a> Mover<'a> {
     fn coarse_box(&self, from_s: f64, to_s: f64) -> (DVec3, DVec3) {
         if matches!(self.path, Path::Still) {
             let nodes = &self.body.position_m;
-            return nodes.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), x| {
-                (l.min(*x), h.max(*x))
-            });
+            return nodes
+                .iter()
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         }
         let (a, b) = (self.centre_at(from_s), self.centre_at(to_s));
         let sag = self.gravity_m_s2.length() * (to_s - from_s).powi(2) / 8.0;
@@ -161,8 +159,7 @@ fn pair_touch(a: &Mover, b: &Mover, span: [f64; 2], halvings: u32) -> Option<f64
     // A common parabola cancels from the relative motion.
     let both_fall = [a, b].iter().all(|m| matches!(m.path, Path::Rigid(_)));
     let duration_s = to_s - from_s;
-    let deviation_m =
-        a.path_deviation_m(duration_s, !both_fall) + b.path_deviation_m(duration_s, !both_fall);
+    let deviation_m = a.path_deviation_m(duration_s, !both_fall) + b.path_deviation_m(duration_s, !both_fall);
     let size_m = smaller(a.body.mean_size_m, b.body.mean_size_m);
     let is_coarse = deviation_m > COARSE * smaller(a.body.radius_m, b.body.radius_m);
     if !is_coarse || halvings == 0 {
@@ -201,8 +198,7 @@ impl<'a> Fine<'a> {
             let margin_m = deviation_m + TOUCHING * bodies[i].mean_size_m;
             SurfaceBoxes::swept(&bodies[i].surface, &start[i], &end[i], margin_m)
         });
-        let candidates =
-            between((&bodies[0].surface, &boxes[0]), (&bodies[1].surface, &boxes[1]), true);
+        let candidates = between((&bodies[0].surface, &boxes[0]), (&bodies[1].surface, &boxes[1]), true);
         Self { bodies, start, end, candidates }
     }
 
@@ -241,7 +237,6 @@ impl<'a> Fine<'a> {
 fn is_touching(node: &Moving, patch: &[Moving; 3], size_m: f64) -> bool {
     let Some(g) = Geometry::node_on_patch(node.start_m, patch.map(|m| m.start_m)) else { return false };
     let [_, w0, w1, w2] = g.weights;
-    let moves =
-        node.move_m + patch[0].move_m * w0 + patch[1].move_m * w1 + patch[2].move_m * w2;
+    let moves = node.move_m + patch[0].move_m * w0 + patch[1].move_m * w1 + patch[2].move_m * w2;
     g.gap_m.abs() <= TOUCHING * size_m && g.is_inside(BORDER) && moves.dot(g.normal) < -1e-9 * size_m
 }

@@ -113,8 +113,7 @@ impl World {
         for body in &mut bodies {
             start(body, &setup)?;
         }
-        let frame_parts =
-            bodies.iter().zip(&setup.bodies).map(|(b, s)| FrameParts::new(b, s)).collect();
+        let frame_parts = bodies.iter().zip(&setup.bodies).map(|(b, s)| FrameParts::new(b, s)).collect();
         let deformable = bodies.iter().filter(|b| b.is_deformable());
         let fragments = deformable.map(|b| Pieces::by_faces(&b.tets).count).sum();
         Ok(Self {

@@ -14,9 +14,7 @@ pub struct BoxShape {
 
 impl Default for BoxShape {
     fn default() -> Self {
-        Self {
-            size_m: DVec3::splat(0.1),
-        }
+        Self { size_m: DVec3::splat(0.1) }
     }
 }
 
@@ -45,11 +43,7 @@ pub struct Rod {
 
 impl Default for Rod {
     fn default() -> Self {
-        Self {
-            length_m: 0.254,
-            width_m: 0.0254,
-            height_m: 0.0254,
-        }
+        Self { length_m: 0.254, width_m: 0.0254, height_m: 0.0254 }
     }
 }
 
@@ -58,11 +52,7 @@ impl Rod {
         let size_m = DVec3::new(self.length_m, self.width_m, self.height_m);
         Block {
             check: Check("rod"),
-            arguments: [
-                ("length_m", size_m.x),
-                ("width_m", size_m.y),
-                ("height_m", size_m.z),
-            ],
+            arguments: [("length_m", size_m.x), ("width_m", size_m.y), ("height_m", size_m.z)],
             low_m: -size_m / 2.0,
         }
         .build(meshing)
@@ -82,11 +72,7 @@ pub struct Plate {
 
 impl Default for Plate {
     fn default() -> Self {
-        Self {
-            length_m: 1.0,
-            width_m: 1.0,
-            thickness_m: 0.1,
-        }
+        Self { length_m: 1.0, width_m: 1.0, thickness_m: 0.1 }
     }
 }
 
@@ -95,11 +81,7 @@ impl Plate {
         let size_m = DVec3::new(self.length_m, self.width_m, self.thickness_m);
         Block {
             check: Check("plate"),
-            arguments: [
-                ("length_m", size_m.x),
-                ("width_m", size_m.y),
-                ("thickness_m", size_m.z),
-            ],
+            arguments: [("length_m", size_m.x), ("width_m", size_m.y), ("thickness_m", size_m.z)],
             low_m: -size_m / 2.0,
         }
         .build(meshing)
@@ -119,11 +101,7 @@ pub struct Pile {
 
 impl Default for Pile {
     fn default() -> Self {
-        Self {
-            width_m: 0.4,
-            depth_m: 0.4,
-            height_m: 1.0,
-        }
+        Self { width_m: 0.4, depth_m: 0.4, height_m: 1.0 }
     }
 }
 
@@ -132,11 +110,7 @@ impl Pile {
         let size_m = DVec3::new(self.width_m, self.depth_m, self.height_m);
         Block {
             check: Check("pile"),
-            arguments: [
-                ("width_m", size_m.x),
-                ("depth_m", size_m.y),
-                ("height_m", size_m.z),
-            ],
+            arguments: [("width_m", size_m.x), ("depth_m", size_m.y), ("height_m", size_m.z)],
             low_m: DVec3::new(-size_m.x / 2.0, -size_m.y / 2.0, 0.0),
         }
         .build(meshing)
@@ -230,20 +204,15 @@ impl Beam {
         let check = Check("beam");
         self.check(check)?;
         let arm_m = (self.length_m - self.notch_width_m) / 2.0;
-        let element_m = check.element_size_m(
-            meshing.resolution,
-            arm_m.max(self.width_m).max(self.height_m),
-        )?;
+        let element_m =
+            check.element_size_m(meshing.resolution, arm_m.max(self.width_m).max(self.height_m))?;
         let cells = |length_m| cells_along(length_m, element_m);
         let (half_m, notch_m) = (self.length_m / 2.0, self.notch_width_m / 2.0);
         let x = Axis::new(
             &[-half_m, -notch_m, notch_m, half_m],
             &[cells(arm_m), cells(self.notch_width_m), cells(arm_m)],
         );
-        let y = Axis::new(
-            &[-self.width_m / 2.0, self.width_m / 2.0],
-            &[cells(self.width_m)],
-        );
+        let y = Axis::new(&[-self.width_m / 2.0, self.width_m / 2.0], &[cells(self.width_m)]);
         let (z, notch_layer) = self.height_axis(cells);
         let hexes = lattice(
             check.0,
@@ -265,18 +234,8 @@ impl Beam {
             ("notch_width_m", self.notch_width_m),
             ("notch_depth_m", self.notch_depth_m),
         ])?;
-        check.below(
-            "notch_width_m",
-            self.notch_width_m,
-            self.length_m,
-            "`length_m`",
-        )?;
-        check.below(
-            "notch_depth_m",
-            self.notch_depth_m,
-            self.height_m,
-            "`height_m`",
-        )
+        check.below("notch_width_m", self.notch_width_m, self.length_m, "`length_m`")?;
+        check.below("notch_depth_m", self.notch_depth_m, self.height_m, "`height_m`")
     }
 
     /// The axis along z and which of its two intervals holds the notch.
@@ -286,17 +245,11 @@ impl Beam {
         match self.notch_side {
             NotchSide::Top => {
                 let breaks_m = [-half_m, -half_m + web_m, half_m];
-                (
-                    Axis::new(&breaks_m, &[cells(web_m), cells(self.notch_depth_m)]),
-                    1,
-                )
+                (Axis::new(&breaks_m, &[cells(web_m), cells(self.notch_depth_m)]), 1)
             }
             NotchSide::Bottom => {
                 let breaks_m = [-half_m, half_m - web_m, half_m];
-                (
-                    Axis::new(&breaks_m, &[cells(self.notch_depth_m), cells(web_m)]),
-                    0,
-                )
+                (Axis::new(&breaks_m, &[cells(self.notch_depth_m), cells(web_m)]), 0)
             }
         }
     }
@@ -319,13 +272,7 @@ pub struct Table {
 
 impl Default for Table {
     fn default() -> Self {
-        Self {
-            length_m: 1.2,
-            width_m: 0.8,
-            height_m: 0.72,
-            top_thickness_m: 0.06,
-            leg_width_m: 0.1,
-        }
+        Self { length_m: 1.2, width_m: 0.8, height_m: 0.72, top_thickness_m: 0.06, leg_width_m: 0.1 }
     }
 }
 
@@ -338,10 +285,8 @@ impl Table {
         let check = Check("table");
         self.check(check)?;
         let leg_m = self.height_m - self.top_thickness_m;
-        let element_m = check.element_size_m(
-            meshing.resolution,
-            self.length_m.max(self.width_m).max(leg_m) / 2.0,
-        )?;
+        let element_m =
+            check.element_size_m(meshing.resolution, self.length_m.max(self.width_m).max(leg_m) / 2.0)?;
         let across = |length_m: f64| {
             let inner_m = length_m / 2.0 - self.leg_width_m;
             let leg = cells_along(self.leg_width_m, element_m);
@@ -353,10 +298,7 @@ impl Table {
         let (x, y) = (across(self.length_m), across(self.width_m));
         let z = Axis::new(
             &[0.0, leg_m, self.height_m],
-            &[
-                cells_along(leg_m, element_m).max(3),
-                cells_along(self.top_thickness_m, element_m),
-            ],
+            &[cells_along(leg_m, element_m).max(3), cells_along(self.top_thickness_m, element_m)],
         );
         let region_of = |[i, j, k]: [u32; 3]| match z.interval_of(k) {
             1 => Some(0),
@@ -389,12 +331,7 @@ impl Table {
             ("top_thickness_m", self.top_thickness_m),
             ("leg_width_m", self.leg_width_m),
         ])?;
-        check.below(
-            "top_thickness_m",
-            self.top_thickness_m,
-            self.height_m,
-            "`height_m`",
-        )?;
+        check.below("top_thickness_m", self.top_thickness_m, self.height_m, "`height_m`")?;
         check.below(
             "leg_width_m",
             self.leg_width_m,

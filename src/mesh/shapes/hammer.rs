@@ -21,12 +21,7 @@ pub struct Hammer {
 
 impl Default for Hammer {
     fn default() -> Self {
-        Self {
-            head_length_m: 0.13,
-            head_width_m: 0.045,
-            handle_length_m: 0.32,
-            handle_width_m: 0.022,
-        }
+        Self { head_length_m: 0.13, head_width_m: 0.045, handle_length_m: 0.32, handle_width_m: 0.022 }
     }
 }
 
@@ -58,17 +53,8 @@ impl Hammer {
         let element_m = check.element_size_m(meshing.resolution, self.handle_width_m)?;
         let plan = self.plan(element_m);
         let cells = [plan.x.cells(), plan.y.cells(), plan.z.cells()];
-        let hexes = lattice(
-            check.0,
-            cells,
-            |cell| plan.region_of(cell),
-            |at| plan.position_m(at),
-        )?;
-        let split = if plan.round {
-            HexSplit::Six
-        } else {
-            meshing.split
-        };
+        let hexes = lattice(check.0, cells, |cell| plan.region_of(cell), |at| plan.position_m(at))?;
+        let split = if plan.round { HexSplit::Six } else { meshing.split };
         let mut mesh = hexes.split(split, &["head", "handle"]);
         centre_on_mass(&mut mesh);
         Ok(mesh)
@@ -93,37 +79,22 @@ impl Hammer {
             0.5 * self.head_length_m,
             "half of `head_length_m`",
         )?;
-        check.below(
-            "head_width_m",
-            self.head_width_m,
-            self.handle_length_m,
-            "`handle_length_m`",
-        )
+        check.below("head_width_m", self.head_width_m, self.handle_length_m, "`handle_length_m`")
     }
 
     fn plan(&self, element_m: f64) -> Plan {
         let round = element_m < 0.75 * self.handle_width_m;
         let cells = |length_m: f64| {
-            if round {
-                cells_along(length_m, element_m)
-            } else {
-                1
-            }
+            if round { cells_along(length_m, element_m) } else { 1 }
         };
         let even = |length_m: f64| {
-            if round {
-                even_cells_along(length_m, element_m)
-            } else {
-                1
-            }
+            if round { even_cells_along(length_m, element_m) } else { 1 }
         };
         let (radius_m, half_m) = (self.head_width_m / 2.0, self.handle_width_m / 2.0);
         let share = self.handle_share(round);
         let (side, handle) = (cells((1.0 - share) * radius_m), even(self.handle_width_m));
-        let (low_m, high_m) = (
-            Self::EYE * self.head_length_m - half_m,
-            Self::EYE * self.head_length_m + half_m,
-        );
+        let (low_m, high_m) =
+            (Self::EYE * self.head_length_m - half_m, Self::EYE * self.head_length_m + half_m);
         Plan {
             hammer: *self,
             x: Axis::new(
@@ -143,11 +114,7 @@ impl Hammer {
     /// head's surface a share `s` lies at the angle `s pi/4`.
     fn handle_share(&self, round: bool) -> f64 {
         let ratio = self.handle_width_m / self.head_width_m;
-        let share = if round {
-            ratio.asin() / std::f64::consts::FRAC_PI_4
-        } else {
-            ratio
-        };
+        let share = if round { ratio.asin() / std::f64::consts::FRAC_PI_4 } else { ratio };
         share.min(0.9)
     }
 
@@ -175,21 +142,13 @@ impl Plan {
     }
 
     fn position_m(&self, [i, j, k]: [u32; 3]) -> DVec3 {
-        if i < self.x.break_at(1) {
-            self.handle_position_m(i, j, k)
-        } else {
-            self.head_position_m(i, j, k)
-        }
+        if i < self.x.break_at(1) { self.handle_position_m(i, j, k) } else { self.head_position_m(i, j, k) }
     }
 
     fn head_position_m(&self, i: u32, j: u32, k: u32) -> DVec3 {
         let radius_m = self.hammer.head_width_m / 2.0;
         let (u, v) = (self.x.at(i) / radius_m, self.y.at(j));
-        let [x, y] = if self.round {
-            disc_from_square(u, v)
-        } else {
-            [u, v]
-        };
+        let [x, y] = if self.round { disc_from_square(u, v) } else { [u, v] };
         let z_m = self.z.at(k);
         let (thin, bevel) = (self.peen_scale(z_m), self.bevel_scale(z_m));
         DVec3::new(x * radius_m * thin * bevel, y * radius_m * bevel, z_m)
@@ -214,17 +173,9 @@ impl Plan {
         let middle_m = Hammer::EYE * self.hammer.head_length_m;
         let v = self.y.at(j) / self.y.at(self.y.break_at(2));
         let w = (self.z.at(k) - middle_m) / half_m;
-        let [y, z] = if self.round {
-            rounded_square(v, w)
-        } else {
-            [v, w]
-        };
+        let [y, z] = if self.round { rounded_square(v, w) } else { [v, w] };
         let grip = self.grip_scale(self.x.at(i));
-        DVec3::new(
-            self.x.at(i),
-            y * half_m * grip,
-            middle_m + z * half_m * grip,
-        )
+        DVec3::new(self.x.at(i), y * half_m * grip, middle_m + z * half_m * grip)
     }
 
     /// The handle is slimmer behind the head and swells towards the tail.

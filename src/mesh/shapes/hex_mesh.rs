@@ -86,18 +86,15 @@ impl HexMesh {
 /// Cuts one hexahedron: five tetrahedra when the corner opposite the lowest one has no diagonal,
 /// else six, a cone from the lowest corner over the three faces that do not touch it.
 fn split_hex<R: Ord>(corners: [u32; 8], rank: impl Fn(u32) -> R) -> Vec<[u32; 4]> {
-    let lowest = (0..8)
-        .min_by_key(|&c| rank(corners[c]))
-        .expect("eight corners");
+    let lowest = (0..8).min_by_key(|&c| rank(corners[c])).expect("eight corners");
     // Relabelling by exclusive or mirrors the axes, so that the lowest corner becomes corner 0.
     let c: [u32; 8] = std::array::from_fn(|i| corners[i ^ lowest]);
     let mirrored = lowest.count_ones() % 2 == 1;
     // The three faces opposite corner 0, each as a cycle from its corner next to corner 0's
     // neighbour to corner 7, counter-clockwise from outside.
     let opposite_faces = [[1, 3, 7, 5], [2, 6, 7, 3], [4, 5, 7, 6]].map(|f| f.map(|i| c[i]));
-    let through_far_corner = opposite_faces.map(|[near, side_a, far, side_b]| {
-        rank(near).min(rank(far)) < rank(side_a).min(rank(side_b))
-    });
+    let through_far_corner = opposite_faces
+        .map(|[near, side_a, far, side_b]| rank(near).min(rank(far)) < rank(side_a).min(rank(side_b)));
     let mut tets = if through_far_corner == [false; 3] {
         five(&c)
     } else {
@@ -110,25 +107,15 @@ fn split_hex<R: Ord>(corners: [u32; 8], rank: impl Fn(u32) -> R) -> Vec<[u32; 4]
 }
 
 fn five(c: &[u32; 8]) -> Vec<[u32; 4]> {
-    [
-        [0, 3, 5, 6],
-        [1, 3, 0, 5],
-        [2, 0, 3, 6],
-        [4, 5, 0, 6],
-        [7, 3, 6, 5],
-    ]
-    .map(|tet: [usize; 4]| right_handed_in_unit_cube(tet).map(|i| c[i]))
-    .to_vec()
+    [[0, 3, 5, 6], [1, 3, 0, 5], [2, 0, 3, 6], [4, 5, 0, 6], [7, 3, 6, 5]]
+        .map(|tet: [usize; 4]| right_handed_in_unit_cube(tet).map(|i| c[i]))
+        .to_vec()
 }
 
 /// Orders the corners of a tetrahedron of cube corners so that it is right-handed.
 fn right_handed_in_unit_cube(mut tet: [usize; 4]) -> [usize; 4] {
     let corner = |i: usize| {
-        DVec3::new(
-            f64::from((i & 1) as u8),
-            f64::from((i >> 1 & 1) as u8),
-            f64::from((i >> 2) as u8),
-        )
+        DVec3::new(f64::from((i & 1) as u8), f64::from((i >> 1 & 1) as u8), f64::from((i >> 2) as u8))
     };
     if crate::mesh::signed_volume_m3(&tet.map(corner)) < 0.0 {
         tet.swap(2, 3);
@@ -139,11 +126,7 @@ fn right_handed_in_unit_cube(mut tet: [usize; 4]) -> [usize; 4] {
 fn cone(apex: u32, faces: [[u32; 4]; 3], through_far_corner: [bool; 3]) -> Vec<[u32; 4]> {
     let mut tets = Vec::with_capacity(6);
     for ([near, a, far, b], through) in faces.into_iter().zip(through_far_corner) {
-        let triangles = if through {
-            [[near, a, far], [near, far, b]]
-        } else {
-            [[near, a, b], [a, far, b]]
-        };
+        let triangles = if through { [[near, a, far], [near, far, b]] } else { [[near, a, b], [a, far, b]] };
         tets.extend(triangles.map(|[p, q, r]| [apex, p, q, r]));
     }
     tets
@@ -164,10 +147,7 @@ mod tests {
         let mut seen = [0; 2];
         permute(&mut ranks, 0, &mut |ranks| {
             let tets = split_hex([0, 1, 2, 3, 4, 5, 6, 7], |c| ranks[c as usize]);
-            let volumes: Vec<f64> = tets
-                .iter()
-                .map(|tet| signed_volume_m3(&tet.map(unit_corner)))
-                .collect();
+            let volumes: Vec<f64> = tets.iter().map(|tet| signed_volume_m3(&tet.map(unit_corner))).collect();
             assert!(volumes.iter().all(|&v| v > 0.1), "{ranks:?} {volumes:?}");
             assert!((volumes.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             assert_eq!(Surface::of(&tets).triangles.len(), 12, "{ranks:?}");

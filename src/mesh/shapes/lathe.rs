@@ -63,10 +63,7 @@ pub(super) struct Disc {
 
 impl Disc {
     pub fn new(size: DiscSize) -> Self {
-        let mut disc = Self {
-            size,
-            ..Self::default()
-        };
+        let mut disc = Self { size, ..Self::default() };
         disc.add_core();
         let mut inner = disc.core_rim();
         for ring in 1..=size.rings {
@@ -90,10 +87,7 @@ impl Disc {
         for j in 0..n {
             for i in 0..n {
                 let corners = [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]];
-                self.quads.push(DiscQuad {
-                    corners: corners.map(|at| self.core_node(at)),
-                    ring: 0,
-                });
+                self.quads.push(DiscQuad { corners: corners.map(|at| self.core_node(at)), ring: 0 });
             }
         }
     }
@@ -119,18 +113,11 @@ impl Disc {
         for &below in inner {
             let DiscNode { unit, odd, .. } = self.nodes[below];
             let along_rim = odd - odd_count([ring - 1, 0, 0]);
-            self.nodes.push(DiscNode {
-                unit,
-                ring,
-                odd: along_rim + odd_count([ring, 0, 0]),
-            });
+            self.nodes.push(DiscNode { unit, ring, odd: along_rim + odd_count([ring, 0, 0]) });
         }
         for c in 0..count {
             let next = (c + 1) % count;
-            self.quads.push(DiscQuad {
-                corners: [inner[c], first + c, inner[next], first + next],
-                ring,
-            });
+            self.quads.push(DiscQuad { corners: [inner[c], first + c, inner[next], first + next], ring });
         }
         (first..first + count).collect()
     }

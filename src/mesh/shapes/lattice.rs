@@ -69,11 +69,7 @@ fn all([nx, ny, nz]: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
 }
 
 fn corner_of([i, j, k]: [u32; 3], corner: usize) -> [u32; 3] {
-    [
-        i + u32::from(corner & 1 != 0),
-        j + u32::from(corner & 2 != 0),
-        k + u32::from(corner & 4 != 0),
-    ]
+    [i + u32::from(corner & 1 != 0), j + u32::from(corner & 2 != 0), k + u32::from(corner & 4 != 0)]
 }
 
 fn flat_index(at: [u32; 3], counts: [usize; 3]) -> usize {
@@ -96,16 +92,12 @@ pub(super) struct Axis {
 impl Axis {
     /// `breaks_m` ascending, one more than `cells`.
     pub fn new(breaks_m: &[f64], cells: &[u32]) -> Self {
-        let mut axis = Self {
-            points_m: vec![breaks_m[0]],
-            break_index: vec![0],
-        };
+        let mut axis = Self { points_m: vec![breaks_m[0]], break_index: vec![0] };
         let mut index = 0;
         for (interval, &count) in breaks_m.windows(2).zip(cells) {
             for step in 1..=count {
                 let t = f64::from(step) / f64::from(count);
-                axis.points_m
-                    .push(interval[0] * (1.0 - t) + interval[1] * t);
+                axis.points_m.push(interval[0] * (1.0 - t) + interval[1] * t);
             }
             index += count;
             axis.break_index.push(index);
@@ -144,14 +136,14 @@ pub(super) fn even_cells_along(length_m: f64, size_m: f64) -> u32 {
     2 * rounded(length_m / (2.0 * size_m))
 }
 
-/// Nearest whole number, from 1 up to more than any mesh may have along one axis.
+/// Nearest whole number, from 1 up to just too many hexahedra along one axis alone.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "clamped to a range that fits"
 )]
 fn rounded(value: f64) -> u32 {
-    value.round().clamp(1.0, f64::from(ELEMENT_LIMIT)) as u32
+    value.round().clamp(1.0, f64::from(ELEMENT_LIMIT / 5)) as u32
 }
 
 /// Maps the square [-1, 1]^2 to the unit disc: concentric squares become concentric circles, and

@@ -4,18 +4,22 @@
 //! pile stand on z = 0 with their axis at x = y = 0; the hammer at its centre of mass. All shapes
 //! are made of hexahedra (see [`HexSplit`] for how those are cut).
 
+mod ball;
 mod blocks;
+mod cup;
 mod hammer;
 mod hex_mesh;
+mod lamp;
 mod lathe;
 mod lattice;
-mod round;
 
 use super::TetMesh;
+pub use ball::Ball;
 pub use blocks::{Beam, BoxShape, NotchSide, Pile, Plate, Rod, Table};
+pub use cup::Cup;
 pub use hammer::Hammer;
 pub use hex_mesh::HexSplit;
-pub use round::{Ball, Cup, Lamp};
+pub use lamp::Lamp;
 
 /// Most tetrahedra a built-in shape may have.
 pub const ELEMENT_LIMIT: u32 = 5_000_000;
@@ -129,18 +133,13 @@ impl Shape {
     }
 }
 
-/// Checks arguments of one shape, for [`ShapeError`] to name it.
+/// Checks the arguments of one shape, for [`ShapeError`] to name it.
 #[derive(Clone, Copy)]
 struct Check(&'static str);
 
 impl Check {
     fn error(self, argument: &'static str, value: f64, expected: impl Into<String>) -> ShapeError {
-        ShapeError::Argument {
-            shape: self.0,
-            argument,
-            value,
-            expected: expected.into(),
-        }
+        ShapeError::Argument { shape: self.0, argument, value, expected: expected.into() }
     }
 
     /// A length must be finite and positive; the limits keep volumes and stiffness in range.
@@ -153,19 +152,11 @@ impl Check {
     }
 
     fn lengths(self, arguments: &[(&'static str, f64)]) -> Result<(), ShapeError> {
-        arguments
-            .iter()
-            .try_for_each(|&(argument, value_m)| self.length(argument, value_m))
+        arguments.iter().try_for_each(|&(argument, value_m)| self.length(argument, value_m))
     }
 
     /// `value_m` must stay below `limit_m`, which `of` describes.
-    fn below(
-        self,
-        argument: &'static str,
-        value_m: f64,
-        limit_m: f64,
-        of: &str,
-    ) -> Result<(), ShapeError> {
+    fn below(self, argument: &'static str, value_m: f64, limit_m: f64, of: &str) -> Result<(), ShapeError> {
         if value_m < limit_m {
             Ok(())
         } else {
@@ -176,9 +167,7 @@ impl Check {
     /// Element size of a resolution; `coarsest_m` is what refinement 1 stands for.
     fn element_size_m(self, resolution: Resolution, coarsest_m: f64) -> Result<f64, ShapeError> {
         match resolution {
-            Resolution::Refinement(0) => {
-                Err(self.error("refinement", 0.0, "a whole number from 1"))
-            }
+            Resolution::Refinement(0) => Err(self.error("refinement", 0.0, "a whole number from 1")),
             Resolution::Refinement(n) => Ok(coarsest_m / f64::from(n)),
             Resolution::ElementSize(size_m) => {
                 self.length("element_size_m", size_m)?;

@@ -72,16 +72,8 @@ fn odd_proportions_are_sound_too() {
             handle_length_m: 0.6,
             handle_width_m: 0.37,
         }),
-        Shape::Cup(Cup {
-            radius_m: 0.1,
-            height_m: 0.05,
-            wall_m: 0.01,
-        }),
-        Shape::Cup(Cup {
-            radius_m: 0.02,
-            height_m: 0.3,
-            wall_m: 0.009,
-        }),
+        Shape::Cup(Cup { radius_m: 0.1, height_m: 0.05, wall_m: 0.01 }),
+        Shape::Cup(Cup { radius_m: 0.02, height_m: 0.3, wall_m: 0.009 }),
         Shape::Lamp(Lamp {
             height_m: 2.0,
             foot_radius_m: 0.1,
@@ -101,11 +93,7 @@ fn odd_proportions_are_sound_too() {
         for refinement in 1..=4 {
             let report = MeshReport::of(&build(&shape, refinement, HexSplit::Six));
             assert!(report.is_sound(), "{shape:?} {refinement}\n{report}");
-            assert_eq!(
-                (report.parts, report.non_manifold_edges),
-                (1, 0),
-                "{shape:?}"
-            );
+            assert_eq!((report.parts, report.non_manifold_edges), (1, 0), "{shape:?}");
         }
     }
 }
@@ -122,10 +110,7 @@ fn flat_sided_volumes_are_exact() {
         (Shape::Plate(Plate::default()), 0.1),
         (Shape::Pile(Pile::default()), 0.16),
         (Shape::Beam(beam), 1.0 * 0.2 * 0.3 - 0.1 * 0.2 * 0.15),
-        (
-            Shape::Table(table),
-            table.length_m * table.width_m * table.top_thickness_m + 4.0 * leg_m3,
-        ),
+        (Shape::Table(table), table.length_m * table.width_m * table.top_thickness_m + 4.0 * leg_m3),
     ];
     for (shape, expected_m3) in cases {
         for refinement in [1, 3] {
@@ -143,10 +128,7 @@ fn round_volumes_converge_with_the_square_of_the_element_size() {
         1.0 - ball.volume_m3() / expected_m3
     };
     let (coarse, fine) = (error(3), error(6));
-    assert!(
-        fine < 0.03 && (3.5..4.5).contains(&(coarse / fine)),
-        "{coarse} {fine}"
-    );
+    assert!(fine < 0.03 && (3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine}");
 }
 
 #[test]
@@ -163,19 +145,12 @@ fn the_bowl_of_a_cup_has_the_volume_of_its_profile() {
             let dz_m = cup.height_m / f64::from(steps);
             let z_m = dz_m * (f64::from(step) + 0.5);
             let solid_bottom = z_m < 1.4 * cup.wall_m;
-            let inner_m = if solid_bottom {
-                0.0
-            } else {
-                outer_m(z_m) - cup.wall_m
-            };
+            let inner_m = if solid_bottom { 0.0 } else { outer_m(z_m) - cup.wall_m };
             std::f64::consts::PI * (outer_m(z_m).powi(2) - inner_m.powi(2)) * dz_m
         })
         .sum();
     let bowl_m3 = region_volume_m3(&mesh, 0);
-    assert!(
-        (bowl_m3 / expected_m3 - 1.0).abs() < 0.015,
-        "{bowl_m3} {expected_m3}"
-    );
+    assert!((bowl_m3 / expected_m3 - 1.0).abs() < 0.015, "{bowl_m3} {expected_m3}");
 }
 
 fn region_volume_m3(mesh: &TetMesh, region: u32) -> f64 {
@@ -199,10 +174,7 @@ fn shapes_stand_where_they_are_said_to() {
     let (low, high) = bounds(Shape::Plate(Plate::default()));
     assert!((low + high).length() < 1e-15);
     let (low, high) = bounds(Shape::Hammer(Hammer::default()));
-    assert!(
-        low.x < -0.2 && high.x < 0.12,
-        "the tail lies at -x: {low} {high}"
-    );
+    assert!(low.x < -0.2 && high.x < 0.12, "the tail lies at -x: {low} {high}");
     assert!((high.z - low.z - 0.13).abs() < 1e-12);
 }
 
@@ -240,10 +212,7 @@ fn published_sizes_are_reached() {
 #[test]
 fn impossible_arguments_are_named() {
     let message = |shape: Shape, resolution| {
-        let meshing = Meshing {
-            resolution,
-            ..Meshing::default()
-        };
+        let meshing = Meshing { resolution, ..Meshing::default() };
         shape.build(&meshing).expect_err("refused").to_string()
     };
     let coarse = Resolution::Refinement(1);
@@ -259,40 +228,23 @@ fn impossible_arguments_are_named() {
     assert!(text.contains("box, rod, plate and pile"), "{text}");
     let text = message(Shape::Rod(Rod::default()), Resolution::Cells([10, 0, 1]));
     assert!(text.contains("`cells[1]` is 0"), "{text}");
-    let thick = Cup {
-        wall_m: 0.03,
-        ..Cup::default()
-    };
+    let thick = Cup { wall_m: 0.03, ..Cup::default() };
     let text = message(Shape::Cup(thick), coarse);
-    assert!(
-        text.contains("`wall_m`") && text.contains("`radius_m`"),
-        "{text}"
-    );
+    assert!(text.contains("`wall_m`") && text.contains("`radius_m`"), "{text}");
 }
 
 #[test]
 fn far_too_fine_is_refused_at_once() {
     for (name, shape) in all_shapes() {
-        for resolution in [
-            Resolution::ElementSize(1e-9),
-            Resolution::ElementSize(1e-4),
-            Resolution::Refinement(u32::MAX),
-        ] {
-            let meshing = Meshing {
-                resolution,
-                ..Meshing::default()
-            };
-            if matches!(
-                (name, resolution),
-                ("rod" | "hammer", Resolution::ElementSize(1e-4))
-            ) {
+        for resolution in
+            [Resolution::ElementSize(1e-9), Resolution::ElementSize(1e-4), Resolution::Refinement(u32::MAX)]
+        {
+            let meshing = Meshing { resolution, ..Meshing::default() };
+            if matches!((name, resolution), ("rod" | "hammer", Resolution::ElementSize(1e-4))) {
                 continue;
             }
             let error = shape.build(&meshing).expect_err("refused");
-            assert!(
-                matches!(error, ShapeError::TooManyElements { .. }),
-                "{name} {resolution:?}: {error}"
-            );
+            assert!(matches!(error, ShapeError::TooManyElements { .. }), "{name} {resolution:?}: {error}");
         }
     }
 }

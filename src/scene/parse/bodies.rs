@@ -35,22 +35,14 @@ pub(super) fn read_body(mut table: Table) -> Body {
 
 fn read_motion(table: &mut Table) -> BodyMotion {
     const OPTIONS: [(&str, u8); 3] = [("deformable", 0), ("fixed", 1), ("kinematic", 2)];
-    let kinematics = table.choice(
-        "kinematics",
-        &[
-            ("green", Kinematics::Green),
-            ("body-frame", Kinematics::BodyFrame),
-        ],
-    );
+    let kinematics =
+        table.choice("kinematics", &[("green", Kinematics::Green), ("body-frame", Kinematics::BodyFrame)]);
     let motion = table.choice("motion", &OPTIONS).unwrap_or(0);
     let prescribed = table.table("prescribed").map(read_prescribed);
     match motion {
         1 => BodyMotion::Fixed,
         2 => {
-            table.require(
-                "prescribed",
-                "the motion, as in `prescribed = { velocity = [0, 0, -1] }`",
-            );
+            table.require("prescribed", "the motion, as in `prescribed = { velocity = [0, 0, -1] }`");
             BodyMotion::Kinematic(prescribed.unwrap_or(PrescribedMotion {
                 velocity_m_s: DVec3::ZERO,
                 spin_rad_s: DVec3::ZERO,
@@ -82,21 +74,12 @@ fn read_prescribed(mut table: Table) -> PrescribedMotion {
 fn check_motion_fits(table: &Table, motion: &BodyMotion) {
     let (word, idle): (&str, &[&str]) = match motion {
         BodyMotion::Deformable(_) => ("deformable", &["prescribed"]),
-        BodyMotion::Fixed => (
-            "fixed",
-            &[
-                "velocity",
-                "spin",
-                "boundary",
-                "kinematics",
-                "prescribed",
-                "mass_scaling",
-            ],
-        ),
-        BodyMotion::Kinematic(_) => (
-            "kinematic",
-            &["velocity", "spin", "boundary", "kinematics", "mass_scaling"],
-        ),
+        BodyMotion::Fixed => {
+            ("fixed", &["velocity", "spin", "boundary", "kinematics", "prescribed", "mass_scaling"])
+        }
+        BodyMotion::Kinematic(_) => {
+            ("kinematic", &["velocity", "spin", "boundary", "kinematics", "mass_scaling"])
+        }
     };
     for key in idle.iter().filter(|key| table.has(key)) {
         let message = format!(
@@ -146,11 +129,7 @@ fn read_placement(table: &mut Table) -> Placement {
         table.problem("gap", message);
     }
     Placement {
-        position_m: DVec3::new(
-            numbers[0],
-            numbers[1],
-            numbers.get(2).copied().unwrap_or(0.0),
-        ),
+        position_m: DVec3::new(numbers[0], numbers[1], numbers.get(2).copied().unwrap_or(0.0)),
         rotation: read_rotation(table),
         on,
         gap_m: gap.unwrap_or(0.0),
@@ -162,9 +141,7 @@ fn read_placement(table: &mut Table) -> Placement {
 fn read_rotation(table: &mut Table) -> DQuat {
     match table.kind_of("rotation") {
         None => DQuat::IDENTITY,
-        Some(Kind::Table) => table
-            .table("rotation")
-            .map_or(DQuat::IDENTITY, read_axis_angle),
+        Some(Kind::Table) => table.table("rotation").map_or(DQuat::IDENTITY, read_axis_angle),
         Some(Kind::List) => {
             let degrees = table.vector("rotation", "degrees").unwrap_or_default();
             let [x, y, z] = degrees.to_array().map(f64::to_radians);
@@ -191,18 +168,11 @@ fn read_axis_angle(mut table: Table) -> DQuat {
 }
 
 fn read_copies(table: &mut Table) -> Copies {
-    let mut copies = Copies {
-        count: 1,
-        offset_m: DVec3::ZERO,
-        rotation: DQuat::IDENTITY,
-    };
+    let mut copies = Copies { count: 1, offset_m: DVec3::ZERO, rotation: DQuat::IDENTITY };
     if let Some(mut table) = table.table("copies") {
         table.require("count", "how many bodies in all");
         copies.count = table.integer("count", 1, 10_000).unwrap_or(1);
-        table.require(
-            "offset",
-            "the step from one to the next, as in `offset = [0, 0, 0.1]`",
-        );
+        table.require("offset", "the step from one to the next, as in `offset = [0, 0, 0.1]`");
         copies.offset_m = table.vector("offset", "m").unwrap_or_default();
         copies.rotation = read_rotation(&mut table);
     }
@@ -216,9 +186,7 @@ fn read_boundary(mut table: Table) -> Boundary {
     let fixed = table.flag("fixed");
     let velocity = table.vector("velocity", "m/s");
     let force = table.vector("force", "N");
-    let actions = ["fixed", "velocity", "force"]
-        .iter()
-        .filter(|key| table.has(key));
+    let actions = ["fixed", "velocity", "force"].iter().filter(|key| table.has(key));
     if actions.count() != 1 || fixed == Some(false) {
         let message = format!(
             "`{}` must say one of `fixed = true`, `velocity = [x, y, z]` (m/s) or \
@@ -233,16 +201,10 @@ fn read_boundary(mut table: Table) -> Boundary {
     }
     let action = match (velocity, force) {
         (Some(velocity_m_s), _) => BoundaryAction::Velocity { velocity_m_s, axes },
-        (_, Some(total_n)) => BoundaryAction::Force {
-            total_n,
-            ramp_s: ramp_s.unwrap_or(0.0),
-        },
+        (_, Some(total_n)) => BoundaryAction::Force { total_n, ramp_s: ramp_s.unwrap_or(0.0) },
         _ => BoundaryAction::Fixed { axes },
     };
-    Boundary {
-        at: read_selection(&mut table),
-        action,
-    }
+    Boundary { at: read_selection(&mut table), action }
 }
 
 /// Letters of the axes that an action holds: `"xz"`.
@@ -261,76 +223,16 @@ fn read_axes(table: &mut Table) -> [bool; 3] {
 const SIDES: [(&str, Side); 12] = [
     ("bottom", Side::Bottom),
     ("top", Side::Top),
-    (
-        "x-min",
-        Side::Own {
-            axis: 0,
-            largest: false,
-        },
-    ),
-    (
-        "x-max",
-        Side::Own {
-            axis: 0,
-            largest: true,
-        },
-    ),
-    (
-        "y-min",
-        Side::Own {
-            axis: 1,
-            largest: false,
-        },
-    ),
-    (
-        "y-max",
-        Side::Own {
-            axis: 1,
-            largest: true,
-        },
-    ),
-    (
-        "z-min",
-        Side::Own {
-            axis: 2,
-            largest: false,
-        },
-    ),
-    (
-        "z-max",
-        Side::Own {
-            axis: 2,
-            largest: true,
-        },
-    ),
-    (
-        "left",
-        Side::Own {
-            axis: 0,
-            largest: false,
-        },
-    ),
-    (
-        "right",
-        Side::Own {
-            axis: 0,
-            largest: true,
-        },
-    ),
-    (
-        "front",
-        Side::Own {
-            axis: 1,
-            largest: false,
-        },
-    ),
-    (
-        "back",
-        Side::Own {
-            axis: 1,
-            largest: true,
-        },
-    ),
+    ("x-min", Side::Own { axis: 0, largest: false }),
+    ("x-max", Side::Own { axis: 0, largest: true }),
+    ("y-min", Side::Own { axis: 1, largest: false }),
+    ("y-max", Side::Own { axis: 1, largest: true }),
+    ("z-min", Side::Own { axis: 2, largest: false }),
+    ("z-max", Side::Own { axis: 2, largest: true }),
+    ("left", Side::Own { axis: 0, largest: false }),
+    ("right", Side::Own { axis: 0, largest: true }),
+    ("front", Side::Own { axis: 1, largest: false }),
+    ("back", Side::Own { axis: 1, largest: true }),
 ];
 
 fn read_selection(table: &mut Table) -> Selection {
@@ -356,25 +258,16 @@ fn read_selection(table: &mut Table) -> Selection {
 fn read_place(mut table: Table) -> Selection {
     let region = table.text("region").map(Selection::Region);
     let side = table.choice("side", &SIDES);
-    let depth_m = table
-        .number("depth", Quantity::not_negative("m"))
-        .unwrap_or(0.0);
+    let depth_m = table.number("depth", Quantity::not_negative("m")).unwrap_or(0.0);
     let side = side.map(|side| Selection::Side { side, depth_m });
     let within_box = table.table("box").map(read_box);
     let sphere = table.table("sphere").map(read_sphere);
     let kinds = ["region", "side", "box", "sphere"];
     if kinds.iter().filter(|key| table.has(key)).count() != 1 {
-        let message = format!(
-            "`{}` must have one of `region`, `side`, `box` and `sphere`",
-            table.path()
-        );
+        let message = format!("`{}` must have one of `region`, `side`, `box` and `sphere`", table.path());
         table.problem("", message);
     }
-    region
-        .or(side)
-        .or(within_box)
-        .or(sphere)
-        .unwrap_or(Selection::All)
+    region.or(side).or(within_box).or(sphere).unwrap_or(Selection::All)
 }
 
 fn read_box(mut table: Table) -> Selection {
@@ -391,10 +284,7 @@ fn read_box(mut table: Table) -> Selection {
 }
 
 fn read_sphere(mut table: Table) -> Selection {
-    table.require(
-        "center",
-        "a point, as in `center = [0, 0, 0]` (m, in the world)",
-    );
+    table.require("center", "a point, as in `center = [0, 0, 0]` (m, in the world)");
     Selection::Sphere {
         center_m: table.vector("center", "m").unwrap_or_default(),
         radius_m: table.required_number("radius", Quantity::positive("m")),

@@ -10,11 +10,7 @@ use super::is_ground;
 
 /// Checks a scene whose parts have been read one by one.
 pub(super) fn check(scene: &SceneDescription, root: &Node, findings: &Findings) {
-    let checks = Checks {
-        scene,
-        root,
-        findings,
-    };
+    let checks = Checks { scene, root, findings };
     checks.names_differ();
     checks.materials_exist();
     checks.neighbours_exist();
@@ -31,8 +27,7 @@ struct Checks<'a> {
 
 impl Checks<'_> {
     fn report(&self, path: &str, message: String) {
-        self.findings
-            .add(path::locate(self.root, path), path, message);
+        self.findings.add(path::locate(self.root, path), path, message);
     }
 
     fn bodies(&self) -> impl Iterator<Item = (String, &Body)> {
@@ -41,12 +36,7 @@ impl Checks<'_> {
     }
 
     fn names_differ(&self) {
-        let mut seen: Vec<String> = self
-            .scene
-            .ground
-            .iter()
-            .map(|_| GROUND.to_owned())
-            .collect();
+        let mut seen: Vec<String> = self.scene.ground.iter().map(|_| GROUND.to_owned()).collect();
         for (path, body) in self.bodies() {
             for name in body.names_of_copies() {
                 if seen.contains(&name) && !name.is_empty() {
@@ -89,11 +79,7 @@ impl Checks<'_> {
     /// `on` and `axes_of` name the ground or a body above, so that placing goes from top to bottom.
     fn neighbours_exist(&self) {
         for (index, body) in self.scene.bodies.iter().enumerate() {
-            let earlier = || {
-                self.scene.bodies[..index]
-                    .iter()
-                    .map(|body| body.name.as_str())
-            };
+            let earlier = || self.scene.bodies[..index].iter().map(|body| body.name.as_str());
             let with_ground = || earlier().chain(self.scene.ground.iter().map(|_| GROUND));
             if let Some(on) = &body.placement.on {
                 let known = with_ground().any(|name| name == on);
@@ -116,9 +102,7 @@ impl Checks<'_> {
         if known {
             return;
         }
-        let later = self.scene.bodies[body..]
-            .iter()
-            .any(|body| body.name == name);
+        let later = self.scene.bodies[body..].iter().any(|body| body.name == name);
         let message = if later {
             format!("`{name}` must stand above this body in the scene's text to be named here")
         } else {
@@ -152,10 +136,7 @@ impl Checks<'_> {
             && !names.clone().any(|known| known == name)
         {
             let hint = suggestion(name, names);
-            self.report(
-                "recording.camera",
-                format!("there is no camera called `{name}`{hint}"),
-            );
+            self.report("recording.camera", format!("there is no camera called `{name}`{hint}"));
         }
     }
 

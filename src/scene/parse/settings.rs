@@ -13,32 +13,23 @@ pub(super) fn read_contact(mut table: Table) -> Contact {
     Contact {
         pairs: pairs.collect(),
         friction_coefficient: friction.unwrap_or(defaults.friction_coefficient),
-        self_collision: table
-            .flag("self_collision")
-            .unwrap_or(defaults.self_collision),
+        self_collision: table.flag("self_collision").unwrap_or(defaults.self_collision),
         rest_speed_m_s: table.number("rest_speed", Quantity::not_negative("m/s")),
         method: read_method(&mut table),
     }
 }
 
 fn read_method(table: &mut Table) -> ContactMethod {
-    let penalty = table
-        .choice("method", &[("lagrange", false), ("penalty", true)])
-        .unwrap_or(false);
+    let penalty = table.choice("method", &[("lagrange", false), ("penalty", true)]).unwrap_or(false);
     if penalty {
-        table.require(
-            "penalty_stiffness",
-            "a number (N/m), for the method \"penalty\"",
-        );
+        table.require("penalty_stiffness", "a number (N/m), for the method \"penalty\"");
     }
     let stiffness_n_m = table.number("penalty_stiffness", Quantity::positive("N/m"));
     let passes = table.integer("passes", 1, 10_000);
     let tolerance = table.number("tolerance", Quantity::positive("").up_to(1.0));
     let elastic = table.choice("impact", &[("elastic", true), ("plastic", false)]);
     if penalty {
-        ContactMethod::Penalty {
-            stiffness_n_m: stiffness_n_m.unwrap_or(1.0),
-        }
+        ContactMethod::Penalty { stiffness_n_m: stiffness_n_m.unwrap_or(1.0) }
     } else {
         ContactMethod::Lagrange {
             passes: passes.unwrap_or(3),
@@ -49,17 +40,11 @@ fn read_method(table: &mut Table) -> ContactMethod {
 }
 
 fn read_pair(mut table: Table) -> Option<([String; 2], f64)> {
-    table.require(
-        "bodies",
-        "the names of the two bodies, as in `bodies = [\"a\", \"b\"]`",
-    );
+    table.require("bodies", "the names of the two bodies, as in `bodies = [\"a\", \"b\"]`");
     let bodies = table.texts("bodies", 2, 2);
     let friction = read_friction(&mut table);
     if friction.is_none() && !table.has("friction_angle") {
-        table.require(
-            "friction",
-            "a number (coefficient), or `friction_angle` (degrees)",
-        );
+        table.require("friction", "a number (coefficient), or `friction_angle` (degrees)");
     }
     let bodies = <[String; 2]>::try_from(bodies?).ok()?;
     Some((bodies, friction.unwrap_or(0.0)))
@@ -102,23 +87,11 @@ pub(super) fn read_camera((name, mut table): (String, Table)) -> Camera {
         table.problem("position", message);
     }
     if position.is_some() && position == target_m {
-        let message = format!(
-            "`{}` must not be the target itself",
-            table.name_of("position")
-        );
+        let message = format!("`{}` must not be the target itself", table.name_of("position"));
         table.problem("position", message);
     }
-    let around = Eye::Around {
-        yaw_deg: yaw.unwrap_or(30.0),
-        pitch_deg: pitch.unwrap_or(20.0),
-        distance_m,
-    };
-    Camera {
-        name,
-        target_m,
-        eye: position.map_or(around, Eye::At),
-        field_of_view_deg,
-    }
+    let around = Eye::Around { yaw_deg: yaw.unwrap_or(30.0), pitch_deg: pitch.unwrap_or(20.0), distance_m };
+    Camera { name, target_m, eye: position.map_or(around, Eye::At), field_of_view_deg }
 }
 
 /// Without a stated interval the history gets some 500 rows.
@@ -132,12 +105,8 @@ pub(super) fn read_recording(mut table: Table, duration_s: f64) -> Recording {
         fps: table.number("fps", fps).unwrap_or(30.0),
         slow_motion: slow_motion.unwrap_or(1.0),
         start_s: table.number("start", seconds).unwrap_or(0.0),
-        size_px: size.map_or([960, 540], |size| {
-            [size[0] as u32, size[1] as u32].map(|n| n.max(1))
-        }),
-        color_by: table
-            .choice("color_by", &ColorBy::NAMED)
-            .unwrap_or_default(),
+        size_px: size.map_or([960, 540], |size| [size[0] as u32, size[1] as u32].map(|n| n.max(1))),
+        color_by: table.choice("color_by", &ColorBy::NAMED).unwrap_or_default(),
         camera: table.text("camera"),
         history_every_s: history_every.unwrap_or(duration_s / 500.0),
     }

@@ -1,0 +1,91 @@
+//! Two steel rods collide head-on, against one-dimensional wave theory (METHOD 8, V1).
+
+use crate::build::{body, box_mesh, material, quiet_world, run};
+use glam::DVec3;
+use hammerfall::sim::{BodyMotion, Kinematics, World, WorldSetup};
+
+const LENGTH_M: f64 = 0.254;
+const WIDTH_M: f64 = 0.0254;
+const HEIGHTS_M: [f64; 2] = [0.0254, 0.0224];
+const GAP_M: f64 = 2.54e-5;
+const SPEED_M_S: f64 = 5.1359;
+const DENSITY: f64 = 7844.0;
+const YOUNG_PA: f64 = 206.82e9;
+
+fn setup(cells: [[u32; 3]; 2], kinematics: Kinematics, cfl: f64) -> WorldSetup {
+    let bodies = [0, 1].map(|i| {
+        let side = [-1.0, 1.0][i];
+        let centre = DVec3::X * side * 0.5 * (LENGTH_M + GAP_M);
+        let mesh = box_mesh(DVec3::new(LENGTH_M, WIDTH_M, HEIGHTS_M[i]), cells[i], centre);
+        let mut rod = body(["left", "right"][i], mesh, material(DENSITY, YOUNG_PA, 0.0));
+        rod.velocity_m_s = DVec3::X * -side * SPEED_M_S;
+        rod.motion = BodyMotion::Deformable(kinematics);
+        rod
+    });
+    let mut setup = quiet_world(bodies.into());
+    setup.time.cfl = cfl;
+    setup
+}
+
+#[derive(Debug)]
+struct Outcome {
+    duration_error: f64,
+    momentum_error: f64,
+    energy_error: f64,
+    impulse_errors: [f64; 2],
+    passes: u32,
+    last_change: f64,
+    velocities: [f64; 2],
+    steps: u32,
+}
+
+fn collide(setup: WorldSetup) -> Outcome {
+    let mut world = World::new(setup).unwrap();
+    let start = world.sample();
+    let before: Vec<DVec3> = (0..2).map(|b| world.body_momentum_kg_m_s(b)).collect();
+    let (mut momentum_error, mut energy_error, mut passes, mut last_change) = (0.0_f64, 0.0_f64, 0, 0.0_f64);
+    let scale = before[0].length();
+    let mut steps = 0;
+    run(&mut world, 2.0e-4, |_, sample| {
+        let momentum = (sample.linear_momentum_kg_m_s - start.linear_momentum_kg_m_s).length() / scale;
+        momentum_error = momentum_error.max(momentum);
+        let energy = (sample.kinetic_j + sample.strain_j) / start.kinetic_j - 1.0;
+        energy_error = energy_error.max(energy.abs());
+        passes = passes.max(sample.step.passes);
+        last_change = last_change.max(sample.step.last_change);
+        steps += sample.step.elastic_steps;
+    });
+    let episodes = world.contact_episodes();
+    let theory_s = 2.0 * LENGTH_M * (DENSITY / YOUNG_PA).sqrt();
+    let impulse: DVec3 = episodes.iter().map(|e| e.impulse_n_s).sum();
+    let changes: Vec<DVec3> = (0..2).map(|b| world.body_momentum_kg_m_s(b) - before[b]).collect();
+    Outcome {
+        duration_error: (episodes.last().unwrap().end_s - episodes[0].begin_s) / theory_s - 1.0,
+        momentum_error,
+        energy_error,
+        impulse_errors: [
+            (impulse - changes[0]).length() / impulse.length(),
+            (impulse + changes[1]).length() / impulse.length(),
+        ],
+        passes,
+        last_change,
+        velocities: [0, 1].map(|b| world.body_momentum_kg_m_s(b).x / world.mass_kg(b)),
+        steps,
+    }
+}
+
+#[test]
+fn explore() {
+    for (name, cells) in [
+        ("1x1", [[10, 1, 1], [10, 1, 1]]),
+        ("2x2", [[10, 2, 2], [10, 2, 2]]),
+        ("2x2/3x3", [[10, 2, 2], [10, 3, 3]]),
+        ("fine 4x4", [[40, 4, 4], [40, 4, 4]]),
+        ("fine 4/5", [[40, 4, 4], [40, 5, 5]]),
+    ] {
+        for cfl in [0.2] {
+            let outcome = collide(setup(cells, Kinematics::Green, cfl));
+            println!("{name} cfl {cfl}: {outcome:?}");
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Large pictures to look at, and what they cost.
+
+use crate::shapes::{ball, block, colored, frame, ground, hammer, turned};
+use glam::{Quat, Vec3};
+use hammerfall::export::png::write_png;
+use hammerfall::frame::{BodyFrame, Frame, VertexFields};
+use hammerfall::render::*;
+use std::path::PathBuf;
+use std::time::Instant;
+
+fn stress(mut body: BodyFrame) -> BodyFrame {
+    let wave = |p: &[f32; 3]| (p[0] * 25.0).sin() * (p[2] * 18.0 + p[1] * 9.0).cos();
+    let values: Vec<f32> = body.positions_m.iter().map(wave).collect();
+    body.fields = VertexFields {
+        von_mises_pa: values.iter().map(|v| v.abs() * 2.4e8).collect(),
+        max_principal_pa: values.iter().map(|v| v * 2.4e8).collect(),
+        speed_m_s: values.iter().map(|v| v.abs() * 12.0).collect(),
+        ..Default::default()
+    };
+    body
+}
+
+fn cpu_ms() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
+    let fields: Vec<&str> = stat.split_whitespace().collect();
+    (fields[13].parse::<f64>().unwrap() + fields[14].parse::<f64>().unwrap()) * 10.0
+}
+
+fn still_life(fine: u32) -> Frame {
+    let blocks = [
+        block(
+            Vec3::new(0.16, -0.10, 0.0),
+            Vec3::new(0.30, 0.04, 0.14),
+            [2 * fine; 3],
+        ),
+        block(
+            Vec3::new(-0.34, 0.02, 0.0),
+            Vec3::new(-0.20, 0.16, 0.14),
+            [2 * fine; 3],
+        ),
+    ];
+    let [red, blue] = blocks;
+    let tilted = turned(
+        block(
+            Vec3::new(0.15, -0.09, 0.145),
+            Vec3::new(0.27, 0.03, 0.265),
+            [2 * fine; 3],
+        ),
+        Vec3::new(0.21, -0.03, 0.2),
+        Quat::from_rotation_z(0.6),
+    );
+    let tilted = colored(tilted, [0.93, 0.75, 0.30]);
+    let ball = ball(Vec3::new(-0.18, -0.16, 0.075), 0.075, 6 * fine);
+    let mut hammer = hammer(fine);
+    for p in &mut hammer.positions_m {
+        p[2] += 0.14;
+    }
+    frame(vec![
+        ground(),
+        stress(hammer),
+        stress(colored(red, [0.80, 0.30, 0.26])),
+        stress(colored(blue, [0.28, 0.45, 0.70])),
+        stress(tilted),
+        stress(colored(ball, [0.35, 0.62, 0.50])),
+    ])
+}
+
+/// Draws large pictures to look at: `HAMMERFALL_GALLERY=folder cargo test --test pictures
+/// gallery -- --ignored --nocapture`.
+#[test]
+#[ignore = "for eyes only"]
+fn gallery() {
+    let folder = PathBuf::from(std::env::var("HAMMERFALL_GALLERY").expect("a folder"));
+    let gpu = Gpu::headless().unwrap();
+    let mut screen = OffScreen::new(&gpu).unwrap();
+    let size = [960, 540];
+    let scene = still_life(4);
+    let triangles: usize = scene.bodies.iter().map(|b| b.surface.triangles.len()).sum();
+    println!("{triangles} triangles on {}", gpu.info.name);
+    let framing = Framing::of(&scene);
+    let view = View {
+        ground: Ground::At(framing.floor().unwrap()),
+        caption: Some(Caption {
+            show_time: true,
+            slow_motion: Some(200.0),
+            text: "Forward Lagrange contact".into(),
+        }),
+        ..View::for_size(size)
+    };
+    let pictures = [
+        ("light", NamedView::ThreeQuarter, view.clone()),
+        (
+            "dark",
+            NamedView::ThreeQuarter,
+            View {
+                background: Background::Dark,
+                ..view.clone()
+            },
+        ),
+        (
+            "stress",
+            NamedView::ThreeQuarter,
+            View {
+                color_by: ColorBy::VonMises,
+                ..view.clone()
+            },
+        ),
+        (
+            "signed",
+            NamedView::Right,
+            View {
+                color_by: ColorBy::MaxPrincipal,
+                background: Background::Dark,
+                ..view.clone()
+            },
+        ),
+        (
+            "wire",
+            NamedView::ThreeQuarter,
+            View {
+                wireframe: true,
+                ..view.clone()
+            },
+        ),
+        (
+            "front",
+            NamedView::Front,
+            View {
+                color_by: ColorBy::Body,
+                ..view.clone()
+            },
+        ),
+        ("top", NamedView::Top, view.clone()),
+        ("high", NamedView::High, view.clone()),
+    ];
+    for (name, named, view) in pictures {
+        let camera = framing.camera(named, 960.0 / 540.0);
+        let picture = screen.render(size, &scene, &camera, &view).unwrap();
+        write_png(&folder.join(format!("{name}.png")), &picture).unwrap();
+    }
+    let camera = framing.camera(NamedView::ThreeQuarter, 960.0 / 540.0);
+    let small = still_life(2);
+    let variants = [
+        ("as is", scene.clone(), view.clone()),
+        ("fewer triangles", small.clone(), view.clone()),
+        (
+            "wireframe",
+            small.clone(),
+            View {
+                wireframe: true,
+                ..view.clone()
+            },
+        ),
+        (
+            "stress",
+            small.clone(),
+            View {
+                color_by: ColorBy::VonMises,
+                ..view.clone()
+            },
+        ),
+        (
+            "no floor",
+            frame(small.bodies[1..].to_vec()),
+            View {
+                ground: Ground::Hidden,
+                ..view.clone()
+            },
+        ),
+        (
+            "nothing",
+            frame(vec![ground()]),
+            View {
+                ground: Ground::Hidden,
+                ..view.clone()
+            },
+        ),
+    ];
+    for (name, scene, view) in variants {
+        let triangles: usize = scene.bodies.iter().map(|b| b.surface.triangles.len()).sum();
+        screen.render(size, &scene, &camera, &view).unwrap();
+        let before = cpu_ms();
+        let time = |_| {
+            let start = Instant::now();
+            screen.render(size, &scene, &camera, &view).unwrap();
+            start.elapsed().as_secs_f64() * 1e3
+        };
+        let mut times: Vec<f64> = (0..15).map(time).collect();
+        times.sort_by(f64::total_cmp);
+        let cpu = (cpu_ms() - before) / 15.0;
+        println!(
+            "{name}: {triangles} triangles, best {:.1} ms, median {:.1} ms, processor {cpu:.1} ms",
+            times[0], times[7]
+        );
+    }
+}

@@ -1,0 +1,159 @@
+//! Where pictures go: rectangles of textures, and sizes that cannot be.
+
+use crate::compare::{gpu, screen};
+use crate::shapes::{block, frame, ground};
+use glam::Vec3;
+use hammerfall::render::{
+    Camera, Framing, Gpu, GpuError, NamedView, OffScreen, Picture, Renderer, Target, View,
+};
+
+const SIZE: [u32; 2] = [64, 36];
+
+/// Reads a texture of 64 pixels' width (256 bytes, which needs no padding).
+fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Picture {
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(256 * texture.height()),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(256),
+                rows_per_image: None,
+            },
+        },
+        texture.size(),
+    );
+    gpu.queue.submit([encoder.finish()]);
+    buffer
+        .slice(..)
+        .map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
+    gpu.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .expect("finished");
+    let rgba = buffer.get_mapped_range(..).expect("mapped").to_vec();
+    Picture {
+        width: texture.width(),
+        height: texture.height(),
+        rgba,
+    }
+}
+
+fn texture(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn scene() -> (hammerfall::frame::Frame, Camera, View) {
+    let cube = block(Vec3::new(-0.5, -0.5, 0.1), Vec3::new(0.5, 0.5, 1.1), [2; 3]);
+    let frame = frame(vec![ground(), cube]);
+    let camera = Framing::of(&frame).camera(NamedView::ThreeQuarter, 64.0 / 36.0);
+    (frame, camera, View::for_size(SIZE))
+}
+
+fn largest_difference(a: &[u8], b: &[u8]) -> u8 {
+    assert_eq!(a.len(), b.len());
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| a.abs_diff(*b))
+        .max()
+        .unwrap_or(0)
+}
+
+#[test]
+fn window_formats_get_the_same_bytes_as_files() {
+    let Some(gpu) = gpu() else { return };
+    let (frame, camera, view) = scene();
+    let mut screen = OffScreen::new(&gpu).unwrap();
+    let file = screen.render(SIZE, &frame, &camera, &view).unwrap();
+    for format in [
+        wgpu::TextureFormat::Bgra8Unorm,
+        wgpu::TextureFormat::Rgba8UnormSrgb,
+        wgpu::TextureFormat::Bgra8UnormSrgb,
+    ] {
+        let texture = texture(&gpu, SIZE, format);
+        let target = texture.create_view(&Default::default());
+        Renderer::new(&gpu, format)
+            .render(Target::whole(&target), &frame, &camera, &view)
+            .unwrap();
+        let mut window = read(&gpu, &texture);
+        if matches!(format.remove_srgb_suffix(), wgpu::TextureFormat::Bgra8Unorm) {
+            window.rgba.chunks_exact_mut(4).for_each(|p| p.swap(0, 2));
+        }
+        assert!(
+            largest_difference(&window.rgba, &file.rgba) <= 1,
+            "{format:?}"
+        );
+    }
+}
+
+#[test]
+fn rectangle_of_a_target_is_all_that_changes() {
+    let Some(gpu) = gpu() else { return };
+    let (frame, camera, view) = scene();
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let texture = texture(&gpu, [64, 64], format);
+    let view_of = texture.create_view(&Default::default());
+    let mut renderer = Renderer::new(&gpu, format);
+    let part = Target::part(&view_of, [8, 20], [40, 30]);
+    renderer.render(part, &frame, &camera, &view).unwrap();
+    let picture = read(&gpu, &texture);
+    for y in 0..64 {
+        for x in 0..64 {
+            let inside = (8..48).contains(&x) && (20..50).contains(&y);
+            let drawn = picture.rgb_at(x, y) != [0; 3];
+            assert_eq!(inside, drawn, "{x}, {y}");
+        }
+    }
+    let mut screen = OffScreen::new(&gpu).unwrap();
+    let alone = screen.render([40, 30], &frame, &camera, &view).unwrap();
+    assert_eq!(picture.rgb_at(8 + 20, 20 + 15), alone.rgb_at(20, 15));
+    // Sticking out is cut, and nothing at all is no error.
+    let outside = Target::part(&view_of, [60, 70], [40, 30]);
+    assert_eq!(outside.size_px, [4, 0]);
+    renderer.render(outside, &frame, &camera, &view).unwrap();
+}
+
+#[test]
+fn impossible_sizes_are_refused_with_the_limit() {
+    let Some(mut screen) = screen() else { return };
+    let (frame, camera, view) = scene();
+    for size in [[0, 10], [10, 0], [1 << 20, 10]] {
+        let error = screen.render(size, &frame, &camera, &view).unwrap_err();
+        assert!(matches!(error, GpuError::BadSize { .. }), "{error}");
+        assert!(error.to_string().contains("from 1 to"), "{error}");
+    }
+    // And the screen still works.
+    screen.render([5, 3], &frame, &camera, &view).unwrap();
+}
+
+#[test]
+fn unknown_adapter_is_named_with_those_there_are() {
+    if gpu().is_none() {
+        return;
+    }
+    let wish = hammerfall::render::AdapterChoice::Named("voodoo 2".into());
+    let error = Gpu::headless_with(&wish).unwrap_err().to_string();
+    assert!(
+        error.contains("'voodoo 2'") && error.contains("there is:"),
+        "{error}"
+    );
+}
