@@ -226,6 +226,27 @@ fn check_tells_size_and_cost() {
     }
 }
 
+/// One tetrahedron in Gmsh's text format.
+const MESH: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n\
+                    $EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
+
+#[test]
+fn check_tells_of_a_mesh_and_what_is_wrong_with_it() {
+    let place = Place::new();
+    let write = |name: &str, text: &str| fs::write(place.path().join(name), text).unwrap();
+    write("one.msh", MESH);
+    let found = place.succeed("check one.msh");
+    for word in ["tetrahedra", "volume", "stable step", "steel", "is sound"] {
+        assert!(found.contains(word), "{word} is not in\n{found}");
+    }
+    write("nan.msh", &MESH.replace("4 0 0 1", "4 0 0 nan"));
+    assert!(place.fail("check nan.msh", 2).contains("node 4"));
+    write("cut.msh", &MESH[..MESH.len() - 40]);
+    assert!(place.fail("check cut.msh", 2).contains("cut.msh"));
+    assert!(place.fail("check missing.msh", 2).contains("missing.msh"));
+    assert!(place.fail("check one.msh --set a=1", 2).contains("--set"));
+}
+
 #[test]
 fn run_writes_files_that_read_back() {
     let place = Place::new();
@@ -461,11 +482,11 @@ fn ctrl_c_closes_the_gif() {
     use image::AnimationDecoder;
     let place = Place::new();
     let child = place
-        .command("render cubes.toml -o long.gif --duration 400 --size 64x48")
+        .command("render cubes.toml -o long.gif --duration 10 --slow-motion 20 --size 64x48")
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(Duration::from_secs(3));
+    wait_for(|| place.has("long.gif"));
     send("INT", &child);
     let output = wait(child);
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
