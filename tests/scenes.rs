@@ -162,9 +162,7 @@ duration = 1
     let rod = &scene.setup.bodies[0];
     let heights = |boundary: usize| {
         let nodes = rod.boundary[boundary].nodes.iter();
-        nodes
-            .map(|&node| (rod.mesh.nodes_m[node as usize].z * 10.0).round() as i64)
-            .collect::<Vec<_>>()
+        nodes.map(|&node| (rod.mesh.nodes_m[node as usize].z * 10.0).round() as i64).collect::<Vec<_>>()
     };
     assert_eq!(heights(0), [5; 4], "the end at +x was turned up");
     assert_eq!(heights(1), [-5; 4]);
@@ -178,11 +176,7 @@ duration = 1
     let hammer = &scene.setup.bodies[1];
     for (element, &region) in hammer.mesh.regions.iter().enumerate() {
         let material = &hammer.materials[hammer.element_material[element] as usize].name;
-        let expected = if hammer.mesh.region_names[region as usize] == "head" {
-            "steel"
-        } else {
-            "wood"
-        };
+        let expected = if hammer.mesh.region_names[region as usize] == "head" { "steel" } else { "wood" };
         assert_eq!(material, expected);
     }
 }

@@ -52,10 +52,7 @@ impl GifWriter {
         fps: f64,
         samples: &[&Picture],
     ) -> Result<Self, PictureError> {
-        let failed = |reason: String| PictureError::Encode {
-            file: path.to_owned(),
-            reason,
-        };
+        let failed = |reason: String| PictureError::Encode { file: path.to_owned(), reason };
         if !(fps > 0.0 && fps <= MAX_FPS) {
             return Err(failed(format!(
                 "{fps} pictures a second; GIF players show more than 0 and at most {MAX_FPS}"
@@ -114,9 +111,7 @@ impl GifWriter {
             buffer: Cow::Owned(buffer),
             ..Default::default()
         };
-        self.encoder
-            .write_frame(&frame)
-            .map_err(|error| self.failed(error.to_string()))?;
+        self.encoder.write_frame(&frame).map_err(|error| self.failed(error.to_string()))?;
         self.pictures += 1;
         self.flush().map_err(|error| write_error(&self.path, error))
     }
@@ -126,16 +121,11 @@ impl GifWriter {
     /// # Errors
     /// [`PictureError`] when the disk does not take the last bytes.
     pub fn finish(self) -> Result<(), PictureError> {
-        self.file
-            .sync_all()
-            .map_err(|error| write_error(&self.path, error))
+        self.file.sync_all().map_err(|error| write_error(&self.path, error))
     }
 
     fn failed(&self, reason: String) -> PictureError {
-        PictureError::Encode {
-            file: self.path.clone(),
-            reason,
-        }
+        PictureError::Encode { file: self.path.clone(), reason }
     }
 
     /// Writes what the encoder has made, with the end mark behind it, and steps back in front of
@@ -177,12 +167,7 @@ impl GifWriter {
         if high == [0, 0] {
             (low, high) = ([0, 0], [1, 1]);
         }
-        Rectangle {
-            left: low[0],
-            top: low[1],
-            width: high[0] - low[0],
-            height: high[1] - low[1],
-        }
+        Rectangle { left: low[0], top: low[1], width: high[0] - low[0], height: high[1] - low[1] }
     }
 
     /// Learns a new palette if the present one does not serve the changed pixels; returns whether

@@ -43,16 +43,10 @@ impl Palette {
         for _ in 0..ROUNDS {
             settle(&points, &mut colors);
         }
-        let mut colors: Vec<Rgb> = colors
-            .into_iter()
-            .map(|c| c.map(|v| v.round() as u8))
-            .collect();
+        let mut colors: Vec<Rgb> = colors.into_iter().map(|c| c.map(|v| v.round() as u8)).collect();
         colors.sort_unstable();
         colors.dedup();
-        Self {
-            colors,
-            matches: HashMap::new(),
-        }
+        Self { colors, matches: HashMap::new() }
     }
 
     /// Red, green, blue of each colour, one after the other.
@@ -64,11 +58,7 @@ impl Palette {
     pub fn index(&mut self, color: Rgb, [x, y]: [usize; 2]) -> u8 {
         let found = self.matched(color);
         let threshold = BAYER[y % 4][x % 4];
-        if threshold < found.share {
-            found.other
-        } else {
-            found.main
-        }
+        if threshold < found.share { found.other } else { found.main }
     }
 
     /// Distance of a colour from the nearest in the palette, weighted channel steps.
@@ -78,22 +68,14 @@ impl Palette {
 
     fn matched(&mut self, color: Rgb) -> Match {
         let colors = &self.colors;
-        *self
-            .matches
-            .entry(color)
-            .or_insert_with(|| find_match(colors, color))
+        *self.matches.entry(color).or_insert_with(|| find_match(colors, color))
     }
 }
 
 fn find_match(colors: &[Rgb], color: Rgb) -> Match {
     let wanted = color.map(f32::from);
     let (main, error) = nearest(colors, wanted);
-    let only_main = Match {
-        main: main as u8,
-        other: main as u8,
-        share: 0,
-        error,
-    };
+    let only_main = Match { main: main as u8, other: main as u8, share: 0, error };
     let Some(shown) = colors.get(main).map(|c| c.map(f32::from)) else {
         return only_main;
     };
@@ -104,16 +86,10 @@ fn find_match(colors: &[Rgb], color: Rgb) -> Match {
     let beyond = std::array::from_fn(|i| 2.0 * wanted[i] - shown[i]);
     let (other, _) = nearest(colors, beyond);
     let partner = colors[other].map(f32::from);
-    let along: f32 = (0..3)
-        .map(|i| (wanted[i] - shown[i]) * (partner[i] - shown[i]))
-        .sum();
+    let along: f32 = (0..3).map(|i| (wanted[i] - shown[i]) * (partner[i] - shown[i])).sum();
     let length: f32 = (0..3).map(|i| (partner[i] - shown[i]).powi(2)).sum();
     let share = if length > 0.0 { along / length } else { 0.0 };
-    Match {
-        other: other as u8,
-        share: (share.clamp(0.0, 0.5) * 16.0).round() as u8,
-        ..only_main
-    }
+    Match { other: other as u8, share: (share.clamp(0.0, 0.5) * 16.0).round() as u8, ..only_main }
 }
 
 fn nearest(colors: &[Rgb], wanted: [f32; 3]) -> (usize, f32) {
@@ -128,9 +104,7 @@ fn nearest(colors: &[Rgb], wanted: [f32; 3]) -> (usize, f32) {
 }
 
 fn distance_squared(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3)
-        .map(|i| (CHANNEL_WEIGHT[i] * (a[i] - b[i])).powi(2))
-        .sum()
+    (0..3).map(|i| (CHANNEL_WEIGHT[i] * (a[i] - b[i])).powi(2)).sum()
 }
 
 /// A colour and how much it counts.
@@ -163,8 +137,7 @@ fn coarse(color: Rgb) -> Rgb {
 fn split(points: Vec<Point>, count: usize) -> Vec<[f32; 3]> {
     let mut groups = vec![Group::new(points)];
     while groups.len() < count {
-        let worst =
-            (0..groups.len()).max_by(|a, b| groups[*a].spread.total_cmp(&groups[*b].spread));
+        let worst = (0..groups.len()).max_by(|a, b| groups[*a].spread.total_cmp(&groups[*b].spread));
         let Some(worst) = worst.filter(|index| groups[*index].spread > 0.0) else {
             break;
         };
@@ -188,34 +161,20 @@ impl Group {
     fn new(points: Vec<Point>) -> Self {
         let weight: f32 = points.iter().map(|p| p.weight).sum();
         let mean = std::array::from_fn(|i| {
-            points.iter().map(|p| p.weight * p.color[i]).sum::<f32>()
-                / weight.max(f32::MIN_POSITIVE)
+            points.iter().map(|p| p.weight * p.color[i]).sum::<f32>() / weight.max(f32::MIN_POSITIVE)
         });
         let spread = |i: usize| -> f32 {
-            let squares = points
-                .iter()
-                .map(|p| p.weight * (p.color[i] - mean[i]).powi(2));
+            let squares = points.iter().map(|p| p.weight * (p.color[i] - mean[i]).powi(2));
             squares.sum::<f32>() * CHANNEL_WEIGHT[i].powi(2)
         };
         let spreads = [spread(0), spread(1), spread(2)];
-        let axis = (0..3).fold(
-            0,
-            |best, i| if spreads[i] > spreads[best] { i } else { best },
-        );
-        Self {
-            points,
-            mean,
-            axis,
-            spread: spreads[axis],
-        }
+        let axis = (0..3).fold(0, |best, i| if spreads[i] > spreads[best] { i } else { best });
+        Self { points, mean, axis, spread: spreads[axis] }
     }
 
     fn halves(self) -> (Self, Self) {
         let (axis, middle) = (self.axis, self.mean[self.axis]);
-        let (low, high): (Vec<_>, Vec<_>) = self
-            .points
-            .into_iter()
-            .partition(|p| p.color[axis] < middle);
+        let (low, high): (Vec<_>, Vec<_>) = self.points.into_iter().partition(|p| p.color[axis] < middle);
         (Self::new(low), Self::new(high))
     }
 }

@@ -212,16 +212,10 @@ mod tests {
         for builtin in BUILTIN_SCENES {
             keys.extend(keys_of(builtin.text));
         }
-        for shape in [
-            "rod", "plate", "pile", "beam", "ball", "table", "cup", "lamp", "hammer",
-        ] {
-            keys.extend(keys_of(
-                &EVERYTHING.replace(r#"= "box""#, &format!("= {shape:?}")),
-            ));
+        for shape in ["rod", "plate", "pile", "beam", "ball", "table", "cup", "lamp", "hammer"] {
+            keys.extend(keys_of(&EVERYTHING.replace(r#"= "box""#, &format!("= {shape:?}"))));
         }
-        let words: Vec<&str> = REFERENCE
-            .split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
-            .collect();
+        let words: Vec<&str> = REFERENCE.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').collect();
         for key in keys {
             assert!(words.contains(&key), "the scene reference lacks `{key}`");
         }

@@ -14,8 +14,7 @@ const MAX_OUTLIERS: usize = 10;
 /// A device, software before hardware; `None`, said loudly, where there is none and no CI.
 pub fn gpu() -> Option<Gpu> {
     let software = AdapterChoice::from_env_or(AdapterChoice::Software);
-    let gpu =
-        Gpu::headless_with(&software).or_else(|_| Gpu::headless_with(&AdapterChoice::Fastest));
+    let gpu = Gpu::headless_with(&software).or_else(|_| Gpu::headless_with(&AdapterChoice::Fastest));
     match gpu {
         Ok(gpu) => Some(gpu),
         Err(error) if std::env::var_os("CI").is_some() => panic!("no pictures in CI: {error}"),
@@ -33,9 +32,7 @@ pub fn screen() -> Option<OffScreen> {
 
 /// Compares with the stored picture of that name, or writes it when asked to.
 pub fn assert_like_stored(name: &str, picture: &Picture) {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/pictures")
-        .join(format!("{name}.png"));
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/pictures").join(format!("{name}.png"));
     if std::env::var_os(WRITE_VARIABLE).is_some() {
         write_png(&path, picture).expect("the reference can be written");
         return;
@@ -44,27 +41,16 @@ pub fn assert_like_stored(name: &str, picture: &Picture) {
     if let Err(difference) = compare(picture, &stored) {
         let seen = std::env::temp_dir().join(format!("hammerfall-{name}.png"));
         write_png(&seen, picture).expect("the picture can be written");
-        panic!(
-            "{name}: {difference}\n  stored: {}\n  seen:   {}",
-            path.display(),
-            seen.display()
-        );
+        panic!("{name}: {difference}\n  stored: {}\n  seen:   {}", path.display(), seen.display());
     }
 }
 
 fn read(path: &Path) -> Picture {
     let image = image::open(path).unwrap_or_else(|error| {
-        panic!(
-            "no reference {}: {error}; set {WRITE_VARIABLE}=1 to write it",
-            path.display()
-        )
+        panic!("no reference {}: {error}; set {WRITE_VARIABLE}=1 to write it", path.display())
     });
     let image = image.to_rgba8();
-    Picture {
-        width: image.width(),
-        height: image.height(),
-        rgba: image.into_raw(),
-    }
+    Picture { width: image.width(), height: image.height(), rgba: image.into_raw() }
 }
 
 fn compare(seen: &Picture, stored: &Picture) -> Result<(), String> {
@@ -81,11 +67,7 @@ fn compare(seen: &Picture, stored: &Picture) -> Result<(), String> {
 }
 
 fn grey(level: u8) -> Picture {
-    Picture {
-        width: 8,
-        height: 8,
-        rgba: vec![level; 8 * 8 * 4],
-    }
+    Picture { width: 8, height: 8, rgba: vec![level; 8 * 8 * 4] }
 }
 
 fn with_outliers(count: usize) -> Picture {
@@ -106,10 +88,6 @@ fn comparison_accepts_rounding_and_a_few_edges() {
 fn comparison_rejects_what_one_could_see() {
     assert!(compare(&grey(100 + TOLERANCE + 1), &grey(100)).is_err());
     assert!(compare(&with_outliers(MAX_OUTLIERS + 1), &grey(100)).is_err());
-    let narrow = Picture {
-        width: 4,
-        height: 16,
-        ..grey(100)
-    };
+    let narrow = Picture { width: 4, height: 16, ..grey(100) };
     assert!(compare(&narrow, &grey(100)).is_err());
 }

@@ -22,11 +22,7 @@ fn picture(step: u32) -> Picture {
             [grey, grey, grey, 255]
         }
     };
-    Picture {
-        width,
-        height,
-        rgba: (0..width * height).flat_map(pixel).collect(),
-    }
+    Picture { width, height, rgba: (0..width * height).flat_map(pixel).collect() }
 }
 
 /// Pictures as a player shows them, their delays, and whether they loop for ever.
@@ -45,11 +41,7 @@ fn play(path: &Path) -> (Vec<Picture>, Vec<u16>, bool) {
                 canvas[at..at + 4].copy_from_slice(pixel);
             }
         }
-        pictures.push(Picture {
-            width,
-            height,
-            rgba: canvas.clone(),
-        });
+        pictures.push(Picture { width, height, rgba: canvas.clone() });
         delays.push(part.delay);
     }
     let endless = decoder.repeat() == gif::Repeat::Infinite;
@@ -72,11 +64,7 @@ fn gif_comes_back_with_colors_delays_and_loop() {
     writer.finish().unwrap();
     let (pictures, delays, endless) = play(&path);
     assert!(endless);
-    assert_eq!(
-        delays,
-        [3, 4, 3, 3, 4, 3, 3, 4, 3],
-        "30 a second on average"
-    );
+    assert_eq!(delays, [3, 4, 3, 3, 4, 3, 3, 4, 3], "30 a second on average");
     assert_eq!(pictures.len(), 9);
     for (step, shown) in pictures.iter().enumerate() {
         let difference = mean_difference(shown, &picture(step as u32));
@@ -88,10 +76,7 @@ fn gif_comes_back_with_colors_delays_and_loop() {
 fn gif_learns_colors_that_come_later() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.gif");
-    let grey = Picture {
-        rgba: [120, 120, 120, 255].repeat((SIZE[0] * SIZE[1]) as usize),
-        ..picture(0)
-    };
+    let grey = Picture { rgba: [120, 120, 120, 255].repeat((SIZE[0] * SIZE[1]) as usize), ..picture(0) };
     let mut writer = GifWriter::create(&path, SIZE, 10.0, &[&grey]).unwrap();
     for next in [&grey, &picture(1), &picture(2)] {
         writer.push(next).unwrap();
@@ -168,14 +153,8 @@ fn missing_folder_is_named() {
 fn folder_in_the_way_and_wrong_pixels_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let error = write_png(folder.path(), &picture(0)).unwrap_err();
-    assert!(
-        error.to_string().contains("a folder of that name"),
-        "{error}"
-    );
-    let short = Picture {
-        rgba: vec![0; 7],
-        ..picture(0)
-    };
+    assert!(error.to_string().contains("a folder of that name"), "{error}");
+    let short = Picture { rgba: vec![0; 7], ..picture(0) };
     let error = write_png(&folder.path().join("a.png"), &short).unwrap_err();
     assert!(error.to_string().contains("7 bytes"), "{error}");
 }

@@ -28,24 +28,12 @@ fn cpu_ms() -> f64 {
 
 fn still_life(fine: u32) -> Frame {
     let blocks = [
-        block(
-            Vec3::new(0.16, -0.10, 0.0),
-            Vec3::new(0.30, 0.04, 0.14),
-            [2 * fine; 3],
-        ),
-        block(
-            Vec3::new(-0.34, 0.02, 0.0),
-            Vec3::new(-0.20, 0.16, 0.14),
-            [2 * fine; 3],
-        ),
+        block(Vec3::new(0.16, -0.10, 0.0), Vec3::new(0.30, 0.04, 0.14), [2 * fine; 3]),
+        block(Vec3::new(-0.34, 0.02, 0.0), Vec3::new(-0.20, 0.16, 0.14), [2 * fine; 3]),
     ];
     let [red, blue] = blocks;
     let tilted = turned(
-        block(
-            Vec3::new(0.15, -0.09, 0.145),
-            Vec3::new(0.27, 0.03, 0.265),
-            [2 * fine; 3],
-        ),
+        block(Vec3::new(0.15, -0.09, 0.145), Vec3::new(0.27, 0.03, 0.265), [2 * fine; 3]),
         Vec3::new(0.21, -0.03, 0.2),
         Quat::from_rotation_z(0.6),
     );
@@ -89,47 +77,15 @@ fn gallery() {
     };
     let pictures = [
         ("light", NamedView::ThreeQuarter, view.clone()),
-        (
-            "dark",
-            NamedView::ThreeQuarter,
-            View {
-                background: Background::Dark,
-                ..view.clone()
-            },
-        ),
-        (
-            "stress",
-            NamedView::ThreeQuarter,
-            View {
-                color_by: ColorBy::VonMises,
-                ..view.clone()
-            },
-        ),
+        ("dark", NamedView::ThreeQuarter, View { background: Background::Dark, ..view.clone() }),
+        ("stress", NamedView::ThreeQuarter, View { color_by: ColorBy::VonMises, ..view.clone() }),
         (
             "signed",
             NamedView::Right,
-            View {
-                color_by: ColorBy::MaxPrincipal,
-                background: Background::Dark,
-                ..view.clone()
-            },
+            View { color_by: ColorBy::MaxPrincipal, background: Background::Dark, ..view.clone() },
         ),
-        (
-            "wire",
-            NamedView::ThreeQuarter,
-            View {
-                wireframe: true,
-                ..view.clone()
-            },
-        ),
-        (
-            "front",
-            NamedView::Front,
-            View {
-                color_by: ColorBy::Body,
-                ..view.clone()
-            },
-        ),
+        ("wire", NamedView::ThreeQuarter, View { wireframe: true, ..view.clone() }),
+        ("front", NamedView::Front, View { color_by: ColorBy::Body, ..view.clone() }),
         ("top", NamedView::Top, view.clone()),
         ("high", NamedView::High, view.clone()),
     ];
@@ -143,38 +99,10 @@ fn gallery() {
     let variants = [
         ("as is", scene.clone(), view.clone()),
         ("fewer triangles", small.clone(), view.clone()),
-        (
-            "wireframe",
-            small.clone(),
-            View {
-                wireframe: true,
-                ..view.clone()
-            },
-        ),
-        (
-            "stress",
-            small.clone(),
-            View {
-                color_by: ColorBy::VonMises,
-                ..view.clone()
-            },
-        ),
-        (
-            "no floor",
-            frame(small.bodies[1..].to_vec()),
-            View {
-                ground: Ground::Hidden,
-                ..view.clone()
-            },
-        ),
-        (
-            "nothing",
-            frame(vec![ground()]),
-            View {
-                ground: Ground::Hidden,
-                ..view.clone()
-            },
-        ),
+        ("wireframe", small.clone(), View { wireframe: true, ..view.clone() }),
+        ("stress", small.clone(), View { color_by: ColorBy::VonMises, ..view.clone() }),
+        ("no floor", frame(small.bodies[1..].to_vec()), View { ground: Ground::Hidden, ..view.clone() }),
+        ("nothing", frame(vec![ground()]), View { ground: Ground::Hidden, ..view.clone() }),
     ];
     for (name, scene, view) in variants {
         let triangles: usize = scene.bodies.iter().map(|b| b.surface.triangles.len()).sum();

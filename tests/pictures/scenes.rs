@@ -29,20 +29,13 @@ impl Shot {
     }
 
     fn draw(&self, screen: &mut OffScreen) -> Picture {
-        screen
-            .render(SIZE, &self.frame, &self.camera, &self.view)
-            .expect("a small picture can be drawn")
+        screen.render(SIZE, &self.frame, &self.camera, &self.view).expect("a small picture can be drawn")
     }
 
     /// The pixel where a world point is seen.
     fn pixel(&self, point: Vec3) -> [u32; 2] {
-        let at = self
-            .camera
-            .picture_position(point, ASPECT)
-            .expect("in front");
-        (at * Vec2::new(SIZE[0] as f32, SIZE[1] as f32))
-            .to_array()
-            .map(|v| v as u32)
+        let at = self.camera.picture_position(point, ASPECT).expect("in front");
+        (at * Vec2::new(SIZE[0] as f32, SIZE[1] as f32)).to_array().map(|v| v as u32)
     }
 
     /// Luminance where a world point is seen, 0..255.
@@ -73,12 +66,9 @@ fn shadow_of(point: Vec3) -> Vec3 {
 fn assert_even(shot: &Shot, picture: &Picture, place: impl Fn(f32, f32) -> Vec3) {
     let inside = |i: i32| -0.36 + 0.06 * i as f32;
     for i in 0..13 {
-        let levels: Vec<f32> = (0..13)
-            .map(|j| shot.luminance(picture, place(inside(i), inside(j))))
-            .collect();
-        let even = levels
-            .windows(2)
-            .all(|pair| (pair[0] - pair[1]).abs() < 5.0);
+        let levels: Vec<f32> =
+            (0..13).map(|j| shot.luminance(picture, place(inside(i), inside(j)))).collect();
+        let even = levels.windows(2).all(|pair| (pair[0] - pair[1]).abs() < 5.0);
         assert!(even, "row {i}: {levels:?}");
     }
 }
@@ -108,20 +98,14 @@ fn resting_box_touches_its_shadow() {
     // Just beside the right face, which the light does not reach.
     let beside = shot.luminance(&picture, Vec3::new(0.54, 0.1, 0.0));
     let lit = shot.luminance(&picture, Vec3::new(-1.2, -0.9, 0.0));
-    assert!(
-        beside < lit - 40.0,
-        "no light leaks under the box: {beside}, lit {lit}"
-    );
+    assert!(beside < lit - 40.0, "no light leaks under the box: {beside}, lit {lit}");
     assert_like_stored("resting", &picture);
 }
 
 #[test]
 fn ball_is_round_and_smooth() {
     let Some(mut screen) = screen() else { return };
-    let mut shot = Shot::new(frame(vec![colored(
-        ball(Vec3::ZERO, 1.0, 8),
-        [0.9, 0.35, 0.2],
-    )]));
+    let mut shot = Shot::new(frame(vec![colored(ball(Vec3::ZERO, 1.0, 8), [0.9, 0.35, 0.2])]));
     shot.view.ground = Ground::Hidden;
     let picture = shot.draw(&mut screen);
     let is_ball = |x: u32, y: u32| {
@@ -139,10 +123,7 @@ fn ball_is_round_and_smooth() {
     }
     let radius = 0.5 * 0.8 * SIZE[1] as f32;
     let disk = std::f32::consts::PI * radius * radius;
-    assert!(
-        (ball_pixels as f32 / disk - 1.0).abs() < 0.15,
-        "{ball_pixels} of {disk}"
-    );
+    assert!((ball_pixels as f32 / disk - 1.0).abs() < 0.15, "{ball_pixels} of {disk}");
     assert!(uneven < 120, "left and right differ at {uneven} pixels");
     assert_like_stored("ball", &picture);
 }
@@ -150,11 +131,7 @@ fn ball_is_round_and_smooth() {
 #[test]
 fn body_throws_its_shadow_on_another() {
     let Some(mut screen) = screen() else { return };
-    let slab = fixed(block(
-        Vec3::new(-1.0, -1.0, 0.0),
-        Vec3::new(1.0, 1.0, 0.2),
-        [2, 2, 1],
-    ));
+    let slab = fixed(block(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.2), [2, 2, 1]));
     let above = block(Vec3::new(-0.2, -0.2, 0.7), Vec3::new(0.2, 0.2, 1.1), [1; 3]);
     // Reaching beyond the slab, so that this one is no floor.
     let beside = block(Vec3::new(1.2, -0.2, 0.0), Vec3::new(1.5, 0.1, 0.3), [1; 3]);
@@ -171,16 +148,8 @@ fn body_throws_its_shadow_on_another() {
 /// The hammer with values that grow along its handle.
 fn stressed_hammer() -> BodyFrame {
     let mut body = hammer(1);
-    let low = body
-        .positions_m
-        .iter()
-        .map(|p| p[2])
-        .fold(f32::MAX, f32::min);
-    let high = body
-        .positions_m
-        .iter()
-        .map(|p| p[2])
-        .fold(f32::MIN, f32::max);
+    let low = body.positions_m.iter().map(|p| p[2]).fold(f32::MAX, f32::min);
+    let high = body.positions_m.iter().map(|p| p[2]).fold(f32::MIN, f32::max);
     let share = |p: &[f32; 3]| (p[2] - low) / (high - low);
     let values: Vec<f32> = body.positions_m.iter().map(share).collect();
     body.fields = VertexFields {
@@ -198,9 +167,7 @@ fn legend_levels(picture: &Picture) -> Vec<f32> {
     let x = SIZE[0] - ((16.0 + 6.0) * points) as u32;
     let top = (46.0 * points) as u32;
     let bottom = top + (0.35 * SIZE[1] as f32) as u32;
-    (top..bottom)
-        .map(|y| luminance_at(picture, [x, y]))
-        .collect()
+    (top..bottom).map(|y| luminance_at(picture, [x, y])).collect()
 }
 
 #[test]
@@ -223,13 +190,9 @@ fn legend_of_signed_values_is_lightest_in_the_middle() {
     shot.view.background = Background::Dark;
     let picture = shot.draw(&mut screen);
     let levels = legend_levels(&picture);
-    let brightest =
-        (0..levels.len()).fold(0, |best, i| if levels[i] > levels[best] { i } else { best });
+    let brightest = (0..levels.len()).fold(0, |best, i| if levels[i] > levels[best] { i } else { best });
     let middle = levels.len() as f32 / 2.0;
-    assert!(
-        (brightest as f32 - middle).abs() < 0.2 * middle,
-        "{levels:?}"
-    );
+    assert!((brightest as f32 - middle).abs() < 0.2 * middle, "{levels:?}");
     assert_like_stored("mean-stress-dark", &picture);
 }
 
@@ -248,10 +211,7 @@ fn colors_of_values_follow_the_fixed_range() {
         shot.luminance(&picture, top)
     };
     let (full, half, little) = (level(1.0), level(2.0), level(20.0));
-    assert!(
-        full > half + 20.0 && half > little + 20.0,
-        "{full} {half} {little}"
-    );
+    assert!(full > half + 20.0 && half > little + 20.0, "{full} {half} {little}");
 }
 
 #[test]
@@ -296,11 +256,8 @@ fn caption_changes_only_its_corner() {
     let Some(mut screen) = screen() else { return };
     let mut shot = box_above_floor();
     let bare = shot.draw(&mut screen);
-    shot.view.caption = Some(Caption {
-        show_time: true,
-        slow_motion: Some(400.0),
-        text: "cube on floor".into(),
-    });
+    shot.view.caption =
+        Some(Caption { show_time: true, slow_motion: Some(400.0), text: "cube on floor".into() });
     let captioned = shot.draw(&mut screen);
     let mut changed = 0;
     for y in 0..SIZE[1] {
@@ -344,11 +301,7 @@ fn broken_input_draws_what_can_be_drawn() {
     assert!(luminance_at(&empty, [120, 60]) > 100.0);
 
     let mut shot = box_above_floor();
-    let lost = turned(
-        ball(Vec3::new(0.0, 0.0, 2.0), 0.3, 2),
-        Vec3::ZERO,
-        Quat::IDENTITY,
-    );
+    let lost = turned(ball(Vec3::new(0.0, 0.0, 2.0), 0.3, 2), Vec3::ZERO, Quat::IDENTITY);
     let mut blown_up = lost.clone();
     blown_up.positions_m[3] = [f32::NAN; 3];
     blown_up.positions_m[4] = [f32::INFINITY; 3];
@@ -369,8 +322,6 @@ fn same_frame_gives_the_same_bytes_whatever_was_drawn_before() {
     let mut other = Shot::new(frame(vec![ground(), stressed_hammer()]));
     other.view.color_by = ColorBy::VonMises;
     other.draw(&mut screen);
-    screen
-        .render([33, 57], &other.frame, &other.camera, &other.view)
-        .expect("an odd size can be drawn");
+    screen.render([33, 57], &other.frame, &other.camera, &other.view).expect("an odd size can be drawn");
     assert!(shot.draw(&mut screen) == first);
 }

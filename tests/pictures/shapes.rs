@@ -51,11 +51,7 @@ impl Builder {
                     *self.index.entry(at).or_insert(next)
                 };
                 let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-                let pair = if far {
-                    [[a, b, c], [a, c, d]]
-                } else {
-                    [[a, c, b], [a, d, c]]
-                };
+                let pair = if far { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
                 self.triangles.extend(pair);
             }
         }
@@ -69,10 +65,7 @@ impl Builder {
         }
         BodyFrame {
             palette_srgb: Arc::new([[0.72, 0.74, 0.78]]),
-            surface: Arc::new(SurfaceTopology {
-                triangles: self.triangles,
-                ..Default::default()
-            }),
+            surface: Arc::new(SurfaceTopology { triangles: self.triangles, ..Default::default() }),
             positions_m,
             ..Default::default()
         }
@@ -114,41 +107,22 @@ pub fn joined(a: BodyFrame, b: BodyFrame) -> BodyFrame {
 }
 
 pub fn frame(bodies: Vec<BodyFrame>) -> Frame {
-    Frame {
-        time_s: 0.00125,
-        bodies,
-        ..Default::default()
-    }
+    Frame { time_s: 0.00125, bodies, ..Default::default() }
 }
 
 /// A floor that the framing recognizes.
 pub fn ground() -> BodyFrame {
-    fixed(block(
-        Vec3::new(-5.0, -5.0, -0.2),
-        Vec3::new(5.0, 5.0, 0.0),
-        [1, 1, 1],
-    ))
+    fixed(block(Vec3::new(-5.0, -5.0, -0.2), Vec3::new(5.0, 5.0, 0.0), [1, 1, 1]))
 }
 
 /// A hammer, its head down, a little above the floor.
 pub fn hammer(fine: u32) -> BodyFrame {
-    let handle = block(
-        Vec3::new(-0.018, -0.014, 0.0),
-        Vec3::new(0.018, 0.014, 0.30),
-        [fine, fine, 8 * fine],
-    );
+    let handle = block(Vec3::new(-0.018, -0.014, 0.0), Vec3::new(0.018, 0.014, 0.30), [fine, fine, 8 * fine]);
     let head = block(
         Vec3::new(-0.075, -0.025, 0.285),
         Vec3::new(0.075, 0.025, 0.345),
         [5 * fine, 2 * fine, 2 * fine],
     );
-    let whole = joined(
-        colored(handle, [0.76, 0.53, 0.31]),
-        colored(head, [0.50, 0.54, 0.60]),
-    );
-    turned(
-        whole,
-        Vec3::new(0.0, 0.0, 0.2),
-        Quat::from_rotation_x(2.2) * Quat::from_rotation_z(0.5),
-    )
+    let whole = joined(colored(handle, [0.76, 0.53, 0.31]), colored(head, [0.50, 0.54, 0.60]));
+    turned(whole, Vec3::new(0.0, 0.0, 0.2), Quat::from_rotation_x(2.2) * Quat::from_rotation_z(0.5))
 }

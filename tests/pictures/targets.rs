@@ -22,37 +22,21 @@ fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Picture {
         texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo {
             buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(256),
-                rows_per_image: None,
-            },
+            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None },
         },
         texture.size(),
     );
     gpu.queue.submit([encoder.finish()]);
-    buffer
-        .slice(..)
-        .map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
-    gpu.device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .expect("finished");
+    buffer.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("finished");
     let rgba = buffer.get_mapped_range(..).expect("mapped").to_vec();
-    Picture {
-        width: texture.width(),
-        height: texture.height(),
-        rgba,
-    }
+    Picture { width: texture.width(), height: texture.height(), rgba }
 }
 
 fn texture(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -71,11 +55,7 @@ fn scene() -> (hammerfall::frame::Frame, Camera, View) {
 
 fn largest_difference(a: &[u8], b: &[u8]) -> u8 {
     assert_eq!(a.len(), b.len());
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| a.abs_diff(*b))
-        .max()
-        .unwrap_or(0)
+    a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
 }
 
 #[test]
@@ -91,17 +71,12 @@ fn window_formats_get_the_same_bytes_as_files() {
     ] {
         let texture = texture(&gpu, SIZE, format);
         let target = texture.create_view(&Default::default());
-        Renderer::new(&gpu, format)
-            .render(Target::whole(&target), &frame, &camera, &view)
-            .unwrap();
+        Renderer::new(&gpu, format).render(Target::whole(&target), &frame, &camera, &view).unwrap();
         let mut window = read(&gpu, &texture);
         if matches!(format.remove_srgb_suffix(), wgpu::TextureFormat::Bgra8Unorm) {
             window.rgba.chunks_exact_mut(4).for_each(|p| p.swap(0, 2));
         }
-        assert!(
-            largest_difference(&window.rgba, &file.rgba) <= 1,
-            "{format:?}"
-        );
+        assert!(largest_difference(&window.rgba, &file.rgba) <= 1, "{format:?}");
     }
 }
 
@@ -152,8 +127,5 @@ fn unknown_adapter_is_named_with_those_there_are() {
     }
     let wish = hammerfall::render::AdapterChoice::Named("voodoo 2".into());
     let error = Gpu::headless_with(&wish).unwrap_err().to_string();
-    assert!(
-        error.contains("'voodoo 2'") && error.contains("there is:"),
-        "{error}"
-    );
+    assert!(error.contains("'voodoo 2'") && error.contains("there is:"), "{error}");
 }

@@ -2,9 +2,7 @@
 
 use super::hex_mesh::HexMesh;
 use super::lathe::{Disc, DiscNode, DiscSize, Sweep};
-use super::lattice::{
-    Axis, cells_along, check_count, disc_from_square, even_cells_along, odd_count,
-};
+use super::lattice::{Axis, cells_along, check_count, disc_from_square, even_cells_along, odd_count};
 use super::{Check, HexSplit, Meshing, ShapeError};
 use crate::mesh::TetMesh;
 use glam::DVec3;
@@ -247,13 +245,7 @@ impl Bow {
     }
 
     /// Adds the nodes of the section at `angle` (pi/2 at the upper end, -pi/2 at the lower one).
-    fn add_section(
-        &self,
-        mesh: &mut HexMesh,
-        angle: f64,
-        step: u32,
-        like: &[Vec<u32>],
-    ) -> Vec<Vec<u32>> {
+    fn add_section(&self, mesh: &mut HexMesh, angle: f64, step: u32, like: &[Vec<u32>]) -> Vec<Vec<u32>> {
         let (sin, cos) = angle.sin_cos();
         let middle_m =
             self.centre_m + DVec3::new(self.reach_m * cos + self.lean_m * sin, 0.0, self.rise_m * sin);

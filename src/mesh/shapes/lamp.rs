@@ -62,8 +62,7 @@ impl Lamp {
     pub(super) fn build(&self, meshing: &Meshing) -> Result<TetMesh, ShapeError> {
         let check = Check("lamp");
         self.check(check)?;
-        let element_m =
-            check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
+        let element_m = check.element_size_m(meshing.resolution, TAU * self.shade_radius_m / 4.0)?;
         let plan = self.plan(check, element_m)?;
         let sweep = Sweep::new(
             &plan.disc,
@@ -115,13 +114,8 @@ impl Lamp {
         let gap_rings = cells_along(self.foot_radius_m - self.stem_radius_m - wall_m, element_m);
         let wall_rings = cells_along(wall_m, element_m);
         let foot_m = Self::FOOT_RATIO * self.foot_radius_m;
-        let breaks_m = [
-            0.0,
-            foot_m,
-            self.height_m - self.shade_height_m,
-            self.height_m - wall_m,
-            self.height_m,
-        ];
+        let breaks_m =
+            [0.0, foot_m, self.height_m - self.shade_height_m, self.height_m - wall_m, self.height_m];
         let stem_cell_m = TAU * self.stem_radius_m / f64::from(4 * core);
         let stem_element_m = element_m.min(Self::STEM_STRETCH * stem_cell_m);
         let levels = [
@@ -130,10 +124,7 @@ impl Lamp {
             cells_along(breaks_m[3] - breaks_m[2], stem_element_m),
             cells_along(wall_m, element_m),
         ];
-        let size = DiscSize {
-            core,
-            rings: gap_rings + wall_rings,
-        };
+        let size = DiscSize { core, rings: gap_rings + wall_rings };
         check_count(check.0, lamp_cells(size, wall_rings, levels))?;
         Ok(LampPlan {
             lamp: *self,
@@ -155,11 +146,7 @@ fn lamp_cells(size: DiscSize, wall_rings: u32, levels: [u32; 4]) -> f64 {
 
 impl LampPlan {
     fn split(&self, wanted: HexSplit) -> HexSplit {
-        if self.disc.around() > 4 {
-            HexSplit::Six
-        } else {
-            wanted
-        }
+        if self.disc.around() > 4 { HexSplit::Six } else { wanted }
     }
 
     fn region_of(&self, ring: u32, level: u32) -> Option<u32> {
@@ -175,11 +162,7 @@ impl LampPlan {
     fn position_m(&self, node: &DiscNode, level: u32) -> DVec3 {
         let z_m = self.z.at(level);
         let radius_m = self.circle_radius_m(node.ring, z_m);
-        let height_m = if level <= self.z.break_at(1) {
-            z_m * self.foot_slope(radius_m)
-        } else {
-            z_m
-        };
+        let height_m = if level <= self.z.break_at(1) { z_m * self.foot_slope(radius_m) } else { z_m };
         (node.unit * radius_m).extend(height_m)
     }
 

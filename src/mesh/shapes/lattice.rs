@@ -137,11 +137,7 @@ pub(super) fn even_cells_along(length_m: f64, size_m: f64) -> u32 {
 }
 
 /// Nearest whole number, from 1 up to just too many hexahedra along one axis alone.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to a range that fits"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a range that fits")]
 fn rounded(value: f64) -> u32 {
     value.round().clamp(1.0, f64::from(ELEMENT_LIMIT / 5)) as u32
 }
