@@ -64,7 +64,8 @@ pub struct GifFile {
     path: PathBuf,
     size_px: [u32; 2],
     fps: f64,
-    writer: Option<GifWriter>,
+    // Boxed: with its palette the writer is far larger than the other kinds of output.
+    writer: Option<Box<GifWriter>>,
 }
 
 impl PictureSink {
@@ -100,7 +101,7 @@ impl PictureSink {
         if let Self::Gif(GifFile { path, size_px, fps, writer }) = self {
             let samples = samples()?;
             let samples: Vec<&Picture> = samples.iter().collect();
-            *writer = Some(GifWriter::create(path, *size_px, *fps, &samples)?);
+            *writer = Some(Box::new(GifWriter::create(path, *size_px, *fps, &samples)?));
         }
         Ok(())
     }
