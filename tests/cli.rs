@@ -194,6 +194,7 @@ fn bad_input_is_status_2_and_says_what_is_wrong() {
         ("run typo.toml -o d", "velocity"),
         ("run overlap.toml -o d", "upper"),
         ("run cubes.toml -o d --set materials.rubber.poisson_ratio=0.5", "poisson_ratio"),
+        ("run cubes.toml -o d --set bodies.upper.velocity=[0,0,-1e300]", "finite"),
         ("check typo.toml", "velocity"),
         ("render hamer-table -o a.gif", "hammer-table"),
     ];
@@ -289,6 +290,18 @@ fn run_writes_files_that_read_back() {
         assert!((x - r - u).abs() < 1e-12);
     }
     assert!(!leftovers(place.path()), "temporary files are left");
+}
+
+#[test]
+fn a_run_that_blows_up_is_status_1_and_keeps_what_was_sound() {
+    let place = Place::new();
+    let message = place.fail("run cubes.toml -o data --set bodies.upper.velocity=[0,0,-1e120]", 1);
+    assert!(message.contains("t = ") && message.contains("blown up"), "{message}");
+    let history = place.read("data/history.csv");
+    assert!(!rows(&history).is_empty() && !history.contains("NaN"), "{history}");
+    let summary = place.json("data/summary.json");
+    assert_eq!(summary["status"], "failed");
+    assert!(message.contains(summary["failure"].as_str().unwrap()), "{message}");
 }
 
 fn leftovers(folder: &Path) -> bool {
