@@ -27,7 +27,8 @@ impl OutputKind {
     /// # Errors
     /// [`Failure::BadInput`] for an ending that cannot be written.
     pub fn of(path: &Path) -> Result<Self, Failure> {
-        if path.is_dir() {
+        let ends_as_folder = path.to_string_lossy().ends_with(std::path::is_separator);
+        if ends_as_folder || path.is_dir() {
             return Ok(Self::Folder);
         }
         let Some(extension) = path.extension() else {
@@ -178,7 +179,7 @@ mod tests {
         assert_eq!(kind("a/b.png").unwrap(), OutputKind::Png);
         assert_eq!(kind("b.GIF").unwrap(), OutputKind::Gif);
         assert_eq!(kind("frames").unwrap(), OutputKind::Folder);
-        assert_eq!(kind("new/frames/").unwrap(), OutputKind::Folder);
+        assert_eq!(kind("new/frames.png/").unwrap(), OutputKind::Folder);
         let refused = kind("film.mp4");
         assert!(matches!(refused, Err(Failure::BadInput(text)) if text.contains(".mp4")));
     }
