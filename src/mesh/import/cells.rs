@@ -24,12 +24,7 @@ pub(super) struct CellType {
 }
 
 const fn cell(code: i64, name: &'static str, nodes: u64, role: Role) -> CellType {
-    CellType {
-        code,
-        name,
-        nodes,
-        role,
-    }
+    CellType { code, name, nodes, role }
 }
 
 use Role::{LowerDimension as Lower, QuadraticTetrahedron as Quadratic, Refused, Tetrahedron};
@@ -120,16 +115,8 @@ pub(super) struct MeditSection {
     pub cell: CellType,
 }
 
-const fn section(
-    keyword: &'static str,
-    name: &'static str,
-    nodes: u64,
-    role: Role,
-) -> MeditSection {
-    MeditSection {
-        keyword,
-        cell: cell(0, name, nodes, role),
-    }
+const fn section(keyword: &'static str, name: &'static str, nodes: u64, role: Role) -> MeditSection {
+    MeditSection { keyword, cell: cell(0, name, nodes, role) }
 }
 
 /// Sections of cells, each line ending in a reference number.

@@ -40,14 +40,7 @@ pub(super) struct Cursor<'a> {
 
 impl<'a> Cursor<'a> {
     pub fn new(data: &'a [u8]) -> Self {
-        Self {
-            data,
-            at: 0,
-            last: 0,
-            encoding: Encoding::Ascii,
-            section: None,
-            item: None,
-        }
+        Self { data, at: 0, last: 0, encoding: Encoding::Ascii, section: None, item: None }
     }
 
     /// Names the section for messages; none is being counted yet.
@@ -110,28 +103,21 @@ impl<'a> Cursor<'a> {
 
     fn skip_white(&mut self) {
         let rest = self.rest();
-        self.at += rest
-            .iter()
-            .position(|byte| !byte.is_ascii_whitespace())
-            .unwrap_or(rest.len());
+        self.at += rest.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(rest.len());
     }
 
     /// The next word, left where it is; `None` at the end of the file.
     pub fn peek_word(&mut self) -> Option<&'a [u8]> {
         self.skip_white();
         let rest = self.rest();
-        let end = rest
-            .iter()
-            .position(u8::is_ascii_whitespace)
-            .unwrap_or(rest.len());
+        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         (end > 0).then(|| &rest[..end])
     }
 
     /// Whether the next word is `word`, whatever its case; takes nothing, not even white space.
     pub fn is_at(&self, word: &[u8]) -> bool {
         let rest = self.rest().trim_ascii_start();
-        rest.get(..word.len())
-            .is_some_and(|start| start.eq_ignore_ascii_case(word))
+        rest.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word))
     }
 
     /// Takes the next word.
@@ -151,10 +137,7 @@ impl<'a> Cursor<'a> {
     pub fn line(&mut self) -> &'a [u8] {
         self.last = self.at;
         let rest = self.rest();
-        let end = rest
-            .iter()
-            .position(|&byte| byte == b'\n')
-            .unwrap_or(rest.len());
+        let end = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
         self.at += (end + 1).min(rest.len());
         rest[..end].trim_ascii()
     }
@@ -162,10 +145,7 @@ impl<'a> Cursor<'a> {
     /// Nothing else may stand on the line; takes its end.
     pub fn end_of_line(&mut self, wanted: &'static str) -> Read<()> {
         let rest = self.rest();
-        let blank = rest
-            .iter()
-            .position(|byte| !matches!(byte, b' ' | b'\t' | b'\r'))
-            .unwrap_or(rest.len());
+        let blank = rest.iter().position(|byte| !matches!(byte, b' ' | b'\t' | b'\r')).unwrap_or(rest.len());
         match rest.get(blank) {
             None => self.at = self.data.len(),
             Some(b'\n') => self.at += blank + 1,
@@ -198,19 +178,15 @@ impl<'a> Cursor<'a> {
     }
 
     pub fn unexpected(&self, wanted: &'static str, found: &[u8]) -> Box<Failure> {
-        self.failure(Problem::Unexpected {
-            wanted,
-            found: readable(found),
-        })
+        self.failure(Problem::Unexpected { wanted, found: readable(found) })
     }
 
     /// Where a number should stand there is a word: if it begins a section, items are missing.
     fn not_a_number(&self, wanted: &'static str, word: &[u8]) -> Box<Failure> {
         let found = readable(word);
         let begins_section = word[0] == b'$' || (word.len() > 2 && word[0].is_ascii_uppercase());
-        let is_float_name = [b"nan".as_slice(), b"inf"]
-            .iter()
-            .any(|name| word.to_ascii_lowercase().starts_with(name));
+        let is_float_name =
+            [b"nan".as_slice(), b"inf"].iter().any(|name| word.to_ascii_lowercase().starts_with(name));
         self.failure(if begins_section && !is_float_name {
             Problem::SectionEnded { wanted, found }
         } else {
@@ -328,13 +304,7 @@ impl<'a> Cursor<'a> {
 
     /// Checks an announced count against what is left of the file, so that nothing is ever
     /// reserved that cannot be there. An item takes `bytes` bytes, or `words` words of text.
-    pub fn room(
-        &self,
-        announced: u64,
-        items: &'static str,
-        words: usize,
-        bytes: usize,
-    ) -> Read<usize> {
+    pub fn room(&self, announced: u64, items: &'static str, words: usize, bytes: usize) -> Read<usize> {
         let (left, each) = if self.is_binary() {
             (self.rest().len(), bytes)
         } else {
@@ -344,11 +314,7 @@ impl<'a> Cursor<'a> {
         let room = left / each.max(1);
         match usize::try_from(announced) {
             Ok(count) if count <= room => Ok(count),
-            _ => Err(self.failure(Problem::Announced {
-                announced,
-                items,
-                room: room as u64,
-            })),
+            _ => Err(self.failure(Problem::Announced { announced, items, room: room as u64 })),
         }
     }
 }
@@ -392,11 +358,7 @@ pub(super) fn readable(bytes: &[u8]) -> String {
         .take(MOST)
         .map(|c| if c.is_control() { '?' } else { c })
         .collect();
-    if bytes.len() > text.len() {
-        format!("{text}...")
-    } else {
-        text
-    }
+    if bytes.len() > text.len() { format!("{text}...") } else { text }
 }
 
 #[cfg(test)]
@@ -411,10 +373,7 @@ mod tests {
         assert_eq!(cursor.int("a").expect("2"), 2);
         cursor.item("node", 2, 5);
         let error = cursor.int("a number").expect_err("a word");
-        assert_eq!(
-            error.place.to_string(),
-            ", line 3, section $Nodes, node 3 of 5"
-        );
+        assert_eq!(error.place.to_string(), ", line 3, section $Nodes, node 3 of 5");
         assert!(matches!(error.problem, Problem::Unexpected { .. }));
         cursor.encoding = Encoding::Binary(Endian::Big);
         let error = cursor.int("a number").expect_err("nothing left");

@@ -166,9 +166,7 @@ pub enum Problem {
         kind: String,
     },
     /// Triangles or lines, but no tetrahedra.
-    #[error(
-        "there are no tetrahedra in it ({found}): a body needs its volume meshed; in Gmsh: `gmsh -3`"
-    )]
+    #[error("there are no tetrahedra in it ({found}): a body needs its volume meshed; in Gmsh: `gmsh -3`")]
     NoTetrahedra {
         /// What there is instead.
         found: String,
@@ -206,5 +204,4 @@ pub enum Problem {
 }
 
 /// For messages.
-pub(super) const FORMATS_READ: &str =
-    "Gmsh MSH 2.2 and 4.1, legacy VTK (unstructured grid), MEDIT .mesh";
+pub(super) const FORMATS_READ: &str = "Gmsh MSH 2.2 and 4.1, legacy VTK (unstructured grid), MEDIT .mesh";

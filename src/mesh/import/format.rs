@@ -12,22 +12,16 @@ pub(super) enum Format {
 }
 
 /// First word of a file and the format it shows.
-const READ: [(&str, Format); 3] = [
-    ("$MeshFormat", Format::Msh),
-    ("# vtk DataFile", Format::Vtk),
-    ("MeshVersionFormatted", Format::Medit),
-];
+const READ: [(&str, Format); 3] =
+    [("$MeshFormat", Format::Msh), ("# vtk DataFile", Format::Vtk), ("MeshVersionFormatted", Format::Medit)];
 
-const SURFACE_ADVICE: &str = "they hold a surface only, and a body needs its volume meshed with tetrahedra (in Gmsh: `gmsh -3`)";
+const SURFACE_ADVICE: &str =
+    "they hold a surface only, and a body needs its volume meshed with tetrahedra (in Gmsh: `gmsh -3`)";
 const RESAVE_ADVICE: &str = "convert the file, e.g. with Gmsh or meshio";
 
 /// First words of formats that are not read, their names and what to do.
 const NOT_READ: [(&str, &str, &str); 15] = [
-    (
-        "$NOD",
-        "Gmsh MSH 1.0",
-        "save the file as MSH 4.1 (`gmsh FILE -save -format msh41`)",
-    ),
+    ("$NOD", "Gmsh MSH 1.0", "save the file as MSH 4.1 (`gmsh FILE -save -format msh41`)"),
     ("<?xml", "VTK XML (.vtu)", RESAVE_ADVICE),
     ("<VTKFile", "VTK XML (.vtu)", RESAVE_ADVICE),
     ("(", "Ansys Fluent", RESAVE_ADVICE),
@@ -40,16 +34,8 @@ const NOT_READ: [(&str, &str, &str); 15] = [
     ("OFF", "OFF", SURFACE_ADVICE),
     ("COFF", "OFF", SURFACE_ADVICE),
     ("\u{89}HDF", "HDF5 (MED, XDMF, CGNS)", RESAVE_ADVICE),
-    (
-        "\u{1}\0\0\0",
-        "binary MEDIT (.meshb)",
-        "save the file as text (.mesh)",
-    ),
-    (
-        "\0\0\0\u{1}",
-        "binary MEDIT (.meshb)",
-        "save the file as text (.mesh)",
-    ),
+    ("\u{1}\0\0\0", "binary MEDIT (.meshb)", "save the file as text (.mesh)"),
+    ("\0\0\0\u{1}", "binary MEDIT (.meshb)", "save the file as text (.mesh)"),
 ];
 
 /// Formats told by their extension alone.
@@ -65,11 +51,7 @@ const BY_EXTENSION: [(&str, &str, &str); 12] = [
     ("obj", "OBJ", SURFACE_ADVICE),
     ("ply", "PLY", SURFACE_ADVICE),
     ("off", "OFF", SURFACE_ADVICE),
-    (
-        "meshb",
-        "binary MEDIT (.meshb)",
-        "save the file as text (.mesh)",
-    ),
+    ("meshb", "binary MEDIT (.meshb)", "save the file as text (.mesh)"),
 ];
 
 impl Format {
@@ -79,15 +61,12 @@ impl Format {
         if let Some((_, format)) = READ.iter().find(|(word, _)| begins_with(content, word)) {
             return Ok(*format);
         }
-        let by_content = NOT_READ
-            .iter()
-            .find(|(word, ..)| begins_with(content, word) || begins_with_bytes(data, word));
+        let by_content =
+            NOT_READ.iter().find(|(word, ..)| begins_with(content, word) || begins_with_bytes(data, word));
         let by_extension = BY_EXTENSION.iter().find(|(known, ..)| *known == extension);
         Err(match by_content.or(by_extension) {
             Some(&(_, format, advice)) => Problem::UnsupportedFormat { format, advice },
-            None => Problem::UnknownFormat {
-                begins: readable(&content[..content.len().min(30)]),
-            },
+            None => Problem::UnknownFormat { begins: readable(&content[..content.len().min(30)]) },
         })
     }
 
@@ -105,17 +84,13 @@ impl Format {
 
 /// Whether the content begins with a word, whatever its case.
 fn begins_with(content: &[u8], word: &str) -> bool {
-    content
-        .get(..word.len())
-        .is_some_and(|start| start.eq_ignore_ascii_case(word.as_bytes()))
+    content.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word.as_bytes()))
 }
 
 /// Signatures are given as characters up to 255, one a byte.
 fn begins_with_bytes(data: &[u8], signature: &str) -> bool {
     let mut bytes = data.iter();
-    signature
-        .chars()
-        .all(|c| bytes.next().is_some_and(|&byte| char::from(byte) == c))
+    signature.chars().all(|c| bytes.next().is_some_and(|&byte| char::from(byte) == c))
 }
 
 /// The first thing that tells a format: behind white space, MEDIT's `#` comments and Gmsh's
@@ -144,9 +119,7 @@ mod tests {
     use super::*;
 
     fn refusal(data: &[u8], extension: &str) -> String {
-        Format::detect(data, extension)
-            .expect_err("refused")
-            .to_string()
+        Format::detect(data, extension).expect_err("refused").to_string()
     }
 
     #[test]
@@ -169,10 +142,7 @@ mod tests {
             (b"\x01\0\0\0\x02\0\0\0", "meshb", "binary MEDIT"),
         ] {
             let text = refusal(data, extension);
-            assert!(
-                text.contains(name) && text.contains("Formats read"),
-                "{text}"
-            );
+            assert!(text.contains(name) && text.contains("Formats read"), "{text}");
         }
         assert!(refusal(b"hello", "msh").contains("`hello`"));
         assert!(refusal(b"", "").contains("not recognised"));

@@ -18,10 +18,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Read<RawMesh> {
         }
         let keyword = readable(word);
         if !word[0].is_ascii_alphabetic() {
-            return Err(cursor.failure(Problem::SectionGoesOn {
-                wanted: "a keyword",
-                found: keyword,
-            }));
+            return Err(cursor.failure(Problem::SectionGoesOn { wanted: "a keyword", found: keyword }));
         }
         cursor.enter(&keyword);
         match keyword.to_ascii_lowercase().as_str() {
@@ -41,18 +38,13 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Read<RawMesh> {
 }
 
 fn section(lower_keyword: &str) -> Option<MeditSection> {
-    cells::MEDIT
-        .iter()
-        .copied()
-        .find(|section| section.keyword.eq_ignore_ascii_case(lower_keyword))
+    cells::MEDIT.iter().copied().find(|section| section.keyword.eq_ignore_ascii_case(lower_keyword))
 }
 
 /// Coordinates and a reference number each; vertices are numbered from 1.
 fn read_vertices(cursor: &mut Cursor<'_>, raw: &mut RawMesh, dimension: i64) -> Read<()> {
     if dimension != 3 {
-        return Err(cursor.malformed(format!(
-            "the mesh has {dimension} dimensions, and a body needs 3"
-        )));
+        return Err(cursor.malformed(format!("the mesh has {dimension} dimensions, and a body needs 3")));
     }
     let announced = cursor.size("the number of vertices")?;
     let count = cursor.room(announced, "vertices", 4, 0)?;
@@ -73,9 +65,7 @@ fn read_cells(cursor: &mut Cursor<'_>, raw: &mut RawMesh, section: MeditSection)
     for index in 0..announced {
         cursor.item("element", index, announced);
         let kept = raw.tets.len();
-        raw.read_cell(cursor, section.cell, index + 1, 0, |c| {
-            c.size("a node's number")
-        })?;
+        raw.read_cell(cursor, section.cell, index + 1, 0, |c| c.size("a node's number"))?;
         let reference = cursor.int("an element's reference number")?;
         if raw.tets.len() > kept {
             raw.tets[kept].region = raw.numbered_region(reference)?;

@@ -14,6 +14,7 @@
 mod cells;
 mod cursor;
 mod error;
+mod finish;
 mod format;
 mod medit;
 mod msh;
@@ -57,24 +58,15 @@ pub struct ImportedMesh {
 /// Reads a tetrahedral mesh.
 ///
 /// # Errors
-/// [`ImportError`] with the file, the place in it and the reason, when the file cannot be read, is
+/// [`ImportError`], boxed since it is large and rare, with the file, the place in it and the reason, when the file cannot be read, is
 /// of another format, malformed, or not a sound mesh of tetrahedra.
-pub fn read_mesh(path: &Path, options: &ImportOptions) -> Result<ImportedMesh, ImportError> {
-    let with_file = |failure: Failure| ImportError {
-        file: path.to_owned(),
-        place: failure.place,
-        problem: failure.problem,
+pub fn read_mesh(path: &Path, options: &ImportOptions) -> Result<ImportedMesh, Box<ImportError>> {
+    let with_file = |failure: Failure| {
+        Box::new(ImportError { file: path.to_owned(), place: failure.place, problem: failure.problem })
     };
-    let data = read_file(path).map_err(|problem| {
-        with_file(Failure {
-            place: Place::default(),
-            problem,
-        })
-    })?;
-    let extension = path
-        .extension()
-        .map(|text| text.to_string_lossy().to_ascii_lowercase())
-        .unwrap_or_default();
+    let data = read_file(path).map_err(|problem| with_file(Failure { place: Place::default(), problem }))?;
+    let extension =
+        path.extension().map(|text| text.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     parse_mesh(&data, &extension, options).map_err(|failure| with_file(*failure))
 }
 
@@ -92,28 +84,17 @@ fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
 
 /// Reads a mesh from the bytes of a file. `extension` (lower case, without the dot) only helps
 /// to name formats that are not read.
-fn parse_mesh(
-    data: &[u8],
-    extension: &str,
-    options: &ImportOptions,
-) -> Result<ImportedMesh, Box<Failure>> {
-    let format = Format::detect(data, extension).map_err(|problem| {
-        Box::new(Failure {
-            place: Place::default(),
-            problem,
-        })
-    })?;
+fn parse_mesh(data: &[u8], extension: &str, options: &ImportOptions) -> Result<ImportedMesh, Box<Failure>> {
+    let format = Format::detect(data, extension)
+        .map_err(|problem| Box::new(Failure { place: Place::default(), problem }))?;
     let mut cursor = Cursor::new(data);
     let raw = match format {
         Format::Msh => msh::read(&mut cursor)?,
         Format::Vtk => vtk::read(&mut cursor)?,
         Format::Medit => medit::read(&mut cursor)?,
     };
-    let imported = raw::finish(raw, &cursor, options)?;
-    Ok(ImportedMesh {
-        format: format.name(cursor.is_binary()),
-        ..imported
-    })
+    let imported = finish::finish(raw, &cursor, options)?;
+    Ok(ImportedMesh { format: format.name(cursor.is_binary()), ..imported })
 }
 
 #[cfg(test)]

@@ -91,18 +91,16 @@ pub(super) fn end_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
     const WANTED: &str = "the end of the section";
     cursor.all_items_read();
     let word = cursor.word(WANTED)?;
-    if word.strip_prefix(b"$End") == Some(name[1..].as_bytes()) {
+    let expected = format!("$End{}", name.trim_start_matches('$'));
+    if word == expected.as_bytes() {
         return Ok(());
     }
-    Err(cursor.failure(Problem::SectionGoesOn {
-        wanted: WANTED,
-        found: readable(word),
-    }))
+    Err(cursor.failure(Problem::SectionGoesOn { wanted: WANTED, found: readable(word) }))
 }
 
 /// Skips a section that is of no use.
 pub(super) fn skip_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
-    let end = format!("$End{}", &name[1..]);
+    let end = format!("$End{}", name.trim_start_matches('$'));
     if cursor.skip_past(end.as_bytes()) {
         Ok(())
     } else {
@@ -129,21 +127,14 @@ impl<K: Ord + Copy> Regions<K> {
 
     /// Gives the regions that tetrahedra use their names, in order of appearance.
     pub fn name(self, raw: &mut RawMesh, name_of: impl Fn(K) -> String) -> Read<()> {
-        let keys: BTreeMap<u32, K> = self
-            .0
-            .into_iter()
-            .map(|(key, index)| (index, key))
-            .collect();
+        let keys: BTreeMap<u32, K> = self.0.into_iter().map(|(key, index)| (index, key)).collect();
         let mut named = BTreeMap::new();
         for tet in 0..raw.tets.len() {
             let index = raw.tets[tet].region;
             let region = match named.get(&index) {
                 Some(&region) => region,
                 None => {
-                    let name = keys
-                        .get(&index)
-                        .map(|&key| name_of(key))
-                        .unwrap_or_default();
+                    let name = keys.get(&index).map(|&key| name_of(key)).unwrap_or_default();
                     *named.entry(index).or_insert(raw.region(&name)?)
                 }
             };

@@ -20,14 +20,8 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Read<RawMesh> {
         }
         end_section(cursor, &section)?;
     }
-    let Reader {
-        mut raw,
-        names,
-        regions,
-    } = reader;
-    regions.name(&mut raw, |(physical, entity)| {
-        names.region_name(physical, entity)
-    })?;
+    let Reader { mut raw, names, regions } = reader;
+    regions.name(&mut raw, |(physical, entity)| names.region_name(physical, entity))?;
     Ok(raw)
 }
 
@@ -97,13 +91,7 @@ impl Reader {
 
     /// Reads an element's tags (the first two are its physical group and its geometric entity)
     /// and nodes.
-    fn read_element(
-        &mut self,
-        cursor: &mut Cursor<'_>,
-        cell: CellType,
-        number: u64,
-        tags: i64,
-    ) -> Read<()> {
+    fn read_element(&mut self, cursor: &mut Cursor<'_>, cell: CellType, number: u64, tags: i64) -> Read<()> {
         let mut first_two = [0, 0];
         for index in 0..tags {
             let tag = cursor.int("a tag")?;
@@ -115,9 +103,7 @@ impl Reader {
         }
         let physical = (first_two[0] != 0).then_some(first_two[0].saturating_abs());
         let region = self.regions.index((physical, first_two[1]));
-        self.raw.read_cell(cursor, cell, number, region, |c| {
-            positive(c, "a node's number")
-        })
+        self.raw.read_cell(cursor, cell, number, region, |c| positive(c, "a node's number"))
     }
 }
 
@@ -127,15 +113,8 @@ fn cell_type(cursor: &mut Cursor<'_>, element: u64) -> Read<CellType> {
 }
 
 /// The failure for an element type that nothing is known about.
-pub(super) fn unknown_type(
-    cursor: &Cursor<'_>,
-    code: i64,
-    element: u64,
-) -> Box<super::cursor::Failure> {
-    cursor.failure(super::error::Problem::CellKind {
-        element,
-        kind: format!("cell of unknown type {code}"),
-    })
+pub(super) fn unknown_type(cursor: &Cursor<'_>, code: i64, element: u64) -> Box<super::cursor::Failure> {
+    cursor.failure(super::error::Problem::CellKind { element, kind: format!("cell of unknown type {code}") })
 }
 
 fn positive(cursor: &mut Cursor<'_>, wanted: &'static str) -> Read<u64> {

@@ -23,15 +23,8 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Read<RawMesh> {
         }
         end_section(cursor, &section)?;
     }
-    let Reader {
-        mut raw,
-        names,
-        physical_of_volume,
-        regions,
-    } = reader;
-    regions.name(&mut raw, |volume| {
-        names.region_name(physical_of_volume.get(&volume).copied(), volume)
-    })?;
+    let Reader { mut raw, names, physical_of_volume, regions } = reader;
+    regions.name(&mut raw, |volume| names.region_name(physical_of_volume.get(&volume).copied(), volume))?;
     Ok(raw)
 }
 
@@ -72,8 +65,7 @@ impl Reader {
         for index in 0..groups {
             let group = cursor.int("a physical group")?;
             if dimension == 3 && index == 0 {
-                self.physical_of_volume
-                    .insert(number, group.saturating_abs());
+                self.physical_of_volume.insert(number, group.saturating_abs());
             }
         }
         if dimension > 0 {
@@ -147,10 +139,8 @@ impl Reader {
         for index in 0..announced {
             cursor.item("element", index, announced);
             let number = cursor.size("an element's number")?;
-            let cell: CellType =
-                cells::gmsh(code).ok_or_else(|| unknown_type(cursor, code, number))?;
-            self.raw
-                .read_cell(cursor, cell, number, region, |c| c.size("a node's number"))?;
+            let cell: CellType = cells::gmsh(code).ok_or_else(|| unknown_type(cursor, code, number))?;
+            self.raw.read_cell(cursor, cell, number, region, |c| c.size("a node's number"))?;
         }
         Ok(announced)
     }
@@ -177,10 +167,7 @@ fn read_dimension(cursor: &mut Cursor<'_>) -> Read<i64> {
     if (0..=3).contains(&dimension) {
         Ok(dimension)
     } else {
-        Err(cursor.unexpected(
-            "an entity's dimension, 0 to 3",
-            dimension.to_string().as_bytes(),
-        ))
+        Err(cursor.unexpected("an entity's dimension, 0 to 3", dimension.to_string().as_bytes()))
     }
 }
 
@@ -188,7 +175,5 @@ fn check_total(cursor: &Cursor<'_>, items: &'static str, announced: u64, read: u
     if announced == read {
         return Ok(());
     }
-    Err(cursor.malformed(format!(
-        "the section announces {announced} {items}, but its blocks hold {read}"
-    )))
+    Err(cursor.malformed(format!("the section announces {announced} {items}, but its blocks hold {read}")))
 }

@@ -14,13 +14,7 @@ struct Sample {
 
 fn sample() -> Sample {
     Sample {
-        nodes: vec![
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.75, 0.75, 0.75],
-        ],
+        nodes: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.75, 0.75, 0.75]],
         tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]],
     }
 }
@@ -68,10 +62,7 @@ impl Kind {
     }
 
     fn is_vtk(self) -> bool {
-        matches!(
-            self,
-            Self::Vtk4Text | Self::Vtk4Binary | Self::Vtk5Text | Self::Vtk5Binary
-        )
+        matches!(self, Self::Vtk4Text | Self::Vtk4Binary | Self::Vtk5Text | Self::Vtk5Binary)
     }
 
     /// Nodes and elements are numbered from here.
@@ -80,10 +71,7 @@ impl Kind {
     }
 
     fn write(self, sample: &Sample) -> Vec<u8> {
-        let mut out = Writer {
-            bytes: Vec::new(),
-            kind: self,
-        };
+        let mut out = Writer { bytes: Vec::new(), kind: self };
         match self {
             Self::Msh2Text | Self::Msh2Little | Self::Msh2Big => out.msh2(sample),
             Self::Msh4Text | Self::Msh4Little | Self::Msh4Big => out.msh4(sample),
@@ -203,11 +191,7 @@ impl Writer {
     fn vtk(&mut self, sample: &Sample) {
         let arrays = matches!(self.kind, Kind::Vtk5Text | Kind::Vtk5Binary);
         let version = if arrays { "5.1" } else { "4.2" };
-        let encoding = if self.kind.is_binary() {
-            "BINARY"
-        } else {
-            "ASCII"
-        };
+        let encoding = if self.kind.is_binary() { "BINARY" } else { "ASCII" };
         let (nodes, tets) = (sample.nodes.len(), sample.tets.len() as u64);
         self.text(&format!(
             "# vtk DataFile Version {version}\ntitle\n{encoding}\nDATASET UNSTRUCTURED_GRID\n\
@@ -215,11 +199,7 @@ impl Writer {
         ));
         sample.nodes.iter().for_each(|&point| self.point(point));
         if arrays {
-            self.text(&format!(
-                "\nCELLS {} {}\nOFFSETS vtktypeint64\n",
-                tets + 1,
-                4 * tets
-            ));
+            self.text(&format!("\nCELLS {} {}\nOFFSETS vtktypeint64\n", tets + 1, 4 * tets));
             (0..=tets).for_each(|cell| self.size(4 * cell));
             self.text("\nCONNECTIVITY vtktypeint64\n");
             sample.tets.iter().for_each(|tet| self.sizes(tet));
@@ -308,13 +288,7 @@ fn a_single_inverted_element_is_named_or_dropped() {
         sample.tets.push([0, 1, 2, 5]);
     };
     for (kind, failure) in failures(invert) {
-        let Problem::BadElement {
-            element,
-            fault,
-            bad,
-            total,
-        } = failure.problem
-        else {
+        let Problem::BadElement { element, fault, bad, total } = failure.problem else {
             panic!("{kind:?} {failure:?}");
         };
         assert_eq!((element, bad, total), (kind.first() + 2, 1, 3), "{kind:?}");
@@ -322,10 +296,7 @@ fn a_single_inverted_element_is_named_or_dropped() {
         assert!(failure.place.position.is_some());
     }
     for imported in dropped(invert) {
-        assert_eq!(
-            (imported.mesh.tets.len(), imported.dropped_elements),
-            (2, 1)
-        );
+        assert_eq!((imported.mesh.tets.len(), imported.dropped_elements), (2, 1));
         assert!(imported.notes[0].contains("1 bad elements of 3"));
     }
 }
@@ -350,10 +321,7 @@ fn flat_elements_are_named_or_dropped() {
         sample.tets.push([0, 1, 2, 5]);
     };
     let repeat = |sample: &mut Sample| sample.tets[1] = [1, 2, 3, 2];
-    for (change, word) in [
-        (&flatten as &dyn Fn(&mut Sample), "flat (volume"),
-        (&repeat, "twice"),
-    ] {
+    for (change, word) in [(&flatten as &dyn Fn(&mut Sample), "flat (volume"), (&repeat, "twice")] {
         for (kind, failure) in failures(change) {
             let text = failure.problem.to_string();
             assert!(text.contains(word), "{kind:?} {text}");
@@ -421,12 +389,7 @@ fn unused_nodes_are_dropped_and_noted() {
         assert_eq!((imported.unused_nodes, imported.dropped_elements), (1, 0));
         assert_eq!(imported.mesh.tets, [[0, 1, 2, 3], [1, 2, 3, 4]]);
         assert_eq!(imported.mesh.nodes_m[0], DVec3::ZERO);
-        assert!(
-            imported
-                .notes
-                .iter()
-                .any(|note| note.contains("1 node dropped"))
-        );
+        assert!(imported.notes.iter().any(|note| note.contains("1 node dropped")));
     }
 }
 
@@ -465,10 +428,7 @@ fn counts_that_the_file_cannot_hold_are_not_believed() {
         let text = String::from_utf8(kind.write(&sample())).expect("text");
         assert!(text.contains(from), "{kind:?} {from}");
         let failure = parse(text.replace(from, to).as_bytes()).expect_err("refused");
-        assert!(
-            matches!(failure.problem, Problem::Announced { .. }),
-            "{kind:?} {failure:?}"
-        );
+        assert!(matches!(failure.problem, Problem::Announced { .. }), "{kind:?} {failure:?}");
     }
 }
 
@@ -483,10 +443,7 @@ fn more_items_than_announced_are_noticed() {
     ] {
         let text = String::from_utf8(kind.write(&sample())).expect("text");
         let failure = parse(text.replace(from, to).as_bytes()).expect_err("refused");
-        assert!(
-            matches!(failure.problem, Problem::SectionGoesOn { .. }),
-            "{kind:?} {failure:?}"
-        );
+        assert!(matches!(failure.problem, Problem::SectionGoesOn { .. }), "{kind:?} {failure:?}");
         assert!(failure.place.section.is_some());
     }
 }
@@ -496,10 +453,7 @@ fn a_cell_of_an_unknown_type_is_refused() {
     let text = String::from_utf8(Kind::Msh2Text.write(&sample())).expect("text");
     let failure = parse(text.replace("\n2 4 2", "\n2 777 2").as_bytes()).expect_err("refused");
     let message = failure.problem.to_string();
-    assert!(
-        message.contains("element 2 is a cell of unknown type 777"),
-        "{message}"
-    );
+    assert!(message.contains("element 2 is a cell of unknown type 777"), "{message}");
 }
 
 #[test]
@@ -508,10 +462,7 @@ fn named_and_numbered_regions_are_kept() {
     let text = text
         .replace("\n1 4 2 0 0", "\n1 4 2 7 0")
         .replace("\n2 4 2 0 0", "\n2 4 2 0 3")
-        .replace(
-            "$Nodes",
-            "$PhysicalNames\n2\n2 7 \"skin\"\n3 7 \"steel head\"\n$EndPhysicalNames\n$Nodes",
-        );
+        .replace("$Nodes", "$PhysicalNames\n2\n2 7 \"skin\"\n3 7 \"steel head\"\n$EndPhysicalNames\n$Nodes");
     let mesh = parse(text.as_bytes()).expect("read").mesh;
     assert_eq!(mesh.region_names, ["steel head", "3"]);
     assert_eq!(mesh.regions, [0, 1]);

@@ -13,12 +13,7 @@ use super::vtk_attributes::{read_field, read_regions, skip_metadata};
 /// Reads a VTK file.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Read<RawMesh> {
     let arrays = read_header(cursor)?;
-    let mut reader = Reader {
-        raw: RawMesh::default(),
-        cells: Cells::default(),
-        types: None,
-        arrays,
-    };
+    let mut reader = Reader { raw: RawMesh::default(), cells: Cells::default(), types: None, arrays };
     while cursor.peek_word().is_some() {
         cursor.all_items_read();
         let word = cursor.word("a keyword")?;
@@ -118,9 +113,7 @@ impl Reader {
         for index in 0..announced {
             cursor.item("point", index, announced);
             let mut at = [0.0; 3];
-            for (value, wanted) in
-                at.iter_mut()
-                    .zip(["an x coordinate", "a y coordinate", "a z coordinate"])
+            for (value, wanted) in at.iter_mut().zip(["an x coordinate", "a y coordinate", "a z coordinate"])
             {
                 *value = cursor.typed_number(kind, wanted)?;
             }
@@ -146,9 +139,7 @@ impl Reader {
             let points = not_negative(cursor, "the number of a cell's points")?;
             self.cells.at.push(cursor.last());
             for _ in 0..points {
-                self.cells
-                    .points
-                    .push(not_negative(cursor, "a point's number")?);
+                self.cells.points.push(not_negative(cursor, "a point's number")?);
             }
             self.cells.offsets.push(self.cells.points.len() as u64);
         }
@@ -157,9 +148,8 @@ impl Reader {
         if read == second {
             return Ok(());
         }
-        Err(cursor.malformed(format!(
-            "the cell list is announced to hold {second} numbers, but it holds {read}"
-        )))
+        Err(cursor
+            .malformed(format!("the cell list is announced to hold {second} numbers, but it holds {read}")))
     }
 
     /// `OFFSETS type`, `CONNECTIVITY type`.
@@ -202,16 +192,11 @@ impl Reader {
     fn finish(mut self, cursor: &mut Cursor<'_>, attributes: Option<&str>) -> Read<RawMesh> {
         cursor.all_items_read();
         let Some(types) = self.types.take() else {
-            return Err(cursor.failure(Problem::Ended {
-                wanted: "the section CELL_TYPES",
-            }));
+            return Err(cursor.failure(Problem::Ended { wanted: "the section CELL_TYPES" }));
         };
         let count = self.cells.offsets.len().saturating_sub(1);
         if types.len() != count {
-            return Err(cursor.malformed(format!(
-                "there are {count} cells but {} cell types",
-                types.len()
-            )));
+            return Err(cursor.malformed(format!("there are {count} cells but {} cell types", types.len())));
         }
         let regions = match attributes {
             Some(keyword) => read_regions(cursor, keyword, &mut self.raw.notes)?,
@@ -233,8 +218,8 @@ impl Reader {
     fn keep(&mut self, cursor: &Cursor<'_>, index: usize, cell: CellType, region: u32) -> Read<()> {
         let number = index as u64;
         self.raw.check_kind(cursor, cell, number)?;
-        let [from, to] = [index, index + 1]
-            .map(|at| usize::try_from(self.cells.offsets[at]).unwrap_or(usize::MAX));
+        let [from, to] =
+            [index, index + 1].map(|at| usize::try_from(self.cells.offsets[at]).unwrap_or(usize::MAX));
         let points = self.cells.points.get(from..to).unwrap_or_default();
         if cell.nodes != 0 && points.len() as u64 != cell.nodes {
             return Err(cursor.malformed(format!(
@@ -244,12 +229,7 @@ impl Reader {
             )));
         }
         let nodes = std::array::from_fn(|corner| points.get(corner).copied().unwrap_or_default());
-        let tet = RawTet {
-            nodes,
-            number,
-            region,
-            at: self.cells.at[index],
-        };
+        let tet = RawTet { nodes, number, region, at: self.cells.at[index] };
         self.raw.keep_cell(cell, tet);
         Ok(())
     }
@@ -266,11 +246,7 @@ fn read_named_array(
     keyword: &'static [u8],
     announced: u64,
 ) -> Read<(Vec<u64>, Vec<usize>)> {
-    let wanted = if keyword == b"OFFSETS" {
-        "OFFSETS"
-    } else {
-        "CONNECTIVITY"
-    };
+    let wanted = if keyword == b"OFFSETS" { "OFFSETS" } else { "CONNECTIVITY" };
     let word = cursor.word(wanted)?;
     if !word.eq_ignore_ascii_case(keyword) {
         return Err(cursor.unexpected(wanted, word));
@@ -282,9 +258,8 @@ fn read_named_array(
     for index in 0..announced {
         cursor.item("number", index, announced);
         let number = cursor.typed_number(kind, "a number")?;
-        let whole = as_index(number).ok_or_else(|| {
-            cursor.unexpected("a whole number from 0", number.to_string().as_bytes())
-        })?;
+        let whole = as_index(number)
+            .ok_or_else(|| cursor.unexpected("a whole number from 0", number.to_string().as_bytes()))?;
         numbers.push(whole);
         places.push(cursor.last());
     }

@@ -68,13 +68,8 @@ fn read_count(cursor: &mut Cursor<'_>) -> Read<u64> {
 fn region_numbers(name: &str, values: &[f64]) -> Option<Vec<i64>> {
     const EXACT: f64 = 9.0e15;
     let known = REGION_NAMES.contains(&name.to_ascii_lowercase().as_str());
-    let whole = values
-        .iter()
-        .all(|value| value.fract() == 0.0 && value.abs() < EXACT);
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "checked to be whole and in range"
-    )]
+    let whole = values.iter().all(|value| value.fract() == 0.0 && value.abs() < EXACT);
+    #[expect(clippy::cast_possible_truncation, reason = "checked to be whole and in range")]
     (known && whole).then(|| values.iter().map(|&value| value as i64).collect())
 }
 
@@ -82,12 +77,7 @@ fn region_numbers(name: &str, values: &[f64]) -> Option<Vec<i64>> {
 type Keep<'k> = dyn FnMut(&str, &[f64]) + 'k;
 
 /// Reads one attribute; returns whether its kind is known.
-fn read_attribute(
-    cursor: &mut Cursor<'_>,
-    keyword: &[u8],
-    count: u64,
-    keep: &mut Keep<'_>,
-) -> Read<bool> {
+fn read_attribute(cursor: &mut Cursor<'_>, keyword: &[u8], count: u64, keep: &mut Keep<'_>) -> Read<bool> {
     let components = match keyword {
         b"SCALARS" => return read_scalars(cursor, count, keep),
         b"FIELD" => return read_field(cursor, keep),
@@ -109,9 +99,7 @@ fn read_attribute(
 fn read_scalars(cursor: &mut Cursor<'_>, count: u64, keep: &mut Keep<'_>) -> Read<bool> {
     let name = readable(cursor.word("a name")?);
     let words = cursor.line().to_ascii_lowercase();
-    let mut words = words
-        .split(u8::is_ascii_whitespace)
-        .filter(|w| !w.is_empty());
+    let mut words = words.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
     let Some(kind) = words.next().and_then(number_kind) else {
         return Ok(false);
     };
