@@ -11,8 +11,7 @@ use std::fs::File;
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Colours of a palette; one more index means "as before".
-const COLORS: usize = 255;
+/// The index that means "as before"; palettes leave it free.
 const TRANSPARENT: u8 = 255;
 /// Last byte of every GIF file.
 const TRAILER: u8 = 0x3b;
@@ -20,7 +19,7 @@ const TRAILER: u8 = 0x3b;
 const MAX_FPS: f64 = 50.0;
 /// A new palette is learned when the changed pixels of a picture miss the present one by more
 /// than this on average (weighted channel steps).
-const RELEARN_ABOVE: f32 = 2.0;
+const RELEARN_ABOVE: f32 = 1.0;
 /// Channel steps by which a pixel may differ from what is shown and still count as unchanged.
 const UNCHANGED_WITHIN: u8 = 1;
 
@@ -64,7 +63,7 @@ impl GifWriter {
         let [Ok(width), Ok(height)] = size_px.map(u16::try_from) else {
             return Err(failed("a GIF has at most 65535 pixels on a side".into()));
         };
-        let palette = Palette::learn(samples.iter().flat_map(|p| colors(p)), COLORS);
+        let palette = Palette::learn(samples.iter().flat_map(|p| colors(p)));
         let encoder = gif::Encoder::new(Vec::new(), width, height, &palette.bytes())
             .and_then(|mut encoder| {
                 encoder.set_repeat(gif::Repeat::Infinite)?;
@@ -196,7 +195,7 @@ impl GifWriter {
         }
         let sum: f32 = needed.iter().map(|color| self.palette.error(*color)).sum();
         if sum > RELEARN_ABOVE * needed.len() as f32 {
-            self.palette = Palette::learn(needed.into_iter(), COLORS);
+            self.palette.relearn(needed.into_iter());
             self.has_own_palette = true;
         }
         self.has_own_palette

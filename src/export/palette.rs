@@ -12,15 +12,27 @@ const CHANNEL_WEIGHT: [f32; 3] = [0.55, 0.80, 0.45];
 /// Colours nearer than this to their match (weighted channel steps) are not mixed from two: the
 /// eye does not see the difference, and even areas stay small in the file.
 const DITHER_ABOVE: f32 = 1.3;
+/// Colours farther apart than this are not mixed: one would see the pattern.
+const WIDEST_MIX: f32 = 28.0;
 /// Thresholds in an order that spreads each level evenly over 4x4 pixels, in sixteenths.
 const BAYER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 
 type Rgb = [u8; 3];
 
+/// Colours that stay the same for a whole animation.
+const BASE_COLORS: usize = 144;
+/// Colours that come and go.
+const EXTRA_COLORS: usize = 255 - BASE_COLORS;
+/// A colour at most this far from one of the base (weighted channel steps) is always shown by
+/// the base: a still background then looks the same before and after something passed in front
+/// of it, whatever the extra colours are by then.
+const BASE_SERVES_WITHIN: f32 = 3.0;
+
 /// At most 255 colours and a memory of what matches them.
 #[derive(Clone, Debug)]
 pub(super) struct Palette {
-    colors: Vec<Rgb>,
+    base: Vec<Rgb>,
+    extra: Vec<Rgb>,
     matches: HashMap<Rgb, Match>,
 }
 
@@ -36,28 +48,33 @@ struct Match {
 }
 
 impl Palette {
-    /// Learns at most `count` colours from pixels.
-    pub fn learn(pixels: impl Iterator<Item = Rgb>, count: usize) -> Self {
+    /// Learns base and extra colours from pixels.
+    pub fn learn(pixels: impl Iterator<Item = Rgb>) -> Self {
         let points = weighted(pixels);
-        let mut colors = split(points.clone(), count.clamp(1, 255));
-        for _ in 0..ROUNDS {
-            settle(&points, &mut colors);
-        }
-        let mut colors: Vec<Rgb> = colors
-            .into_iter()
-            .map(|c| c.map(|v| v.round() as u8))
-            .collect();
-        colors.sort_unstable();
-        colors.dedup();
-        Self {
-            colors,
+        let mut palette = Self {
+            base: learn_colors(&points, BASE_COLORS),
+            extra: Vec::new(),
             matches: HashMap::new(),
-        }
+        };
+        palette.learn_extra(&points);
+        palette
+    }
+
+    /// Replaces the extra colours by some that suit these pixels.
+    pub fn relearn(&mut self, pixels: impl Iterator<Item = Rgb>) {
+        self.learn_extra(&weighted(pixels));
+    }
+
+    fn learn_extra(&mut self, points: &[Point]) {
+        let is_missed = |p: &&Point| nearest(&self.base, p.color).1 > BASE_SERVES_WITHIN;
+        let missed: Vec<Point> = points.iter().filter(is_missed).copied().collect();
+        self.extra = learn_colors(&missed, EXTRA_COLORS);
+        self.matches.clear();
     }
 
     /// Red, green, blue of each colour, one after the other.
     pub fn bytes(&self) -> Vec<u8> {
-        self.colors.concat()
+        [self.base.as_flattened(), self.extra.as_flattened()].concat()
     }
 
     /// The colour to use for `color` at a pixel, an index into the palette.
@@ -77,12 +94,33 @@ impl Palette {
     }
 
     fn matched(&mut self, color: Rgb) -> Match {
-        let colors = &self.colors;
-        *self
-            .matches
-            .entry(color)
-            .or_insert_with(|| find_match(colors, color))
+        if let Some(known) = self.matches.get(&color) {
+            return *known;
+        }
+        let by_base = find_match(&self.base, color);
+        let found = if by_base.error <= BASE_SERVES_WITHIN {
+            by_base
+        } else {
+            find_match(&[self.base.as_slice(), &self.extra].concat(), color)
+        };
+        self.matches.insert(color, found);
+        found
     }
+}
+
+/// At most `count` colours that stand for the points.
+fn learn_colors(points: &[Point], count: usize) -> Vec<Rgb> {
+    let mut colors = split(points.to_vec(), count);
+    for _ in 0..ROUNDS {
+        settle(points, &mut colors);
+    }
+    let mut colors: Vec<Rgb> = colors
+        .into_iter()
+        .map(|c| c.map(|v| v.round() as u8))
+        .collect();
+    colors.sort_unstable();
+    colors.dedup();
+    colors
 }
 
 fn find_match(colors: &[Rgb], color: Rgb) -> Match {
@@ -94,16 +132,24 @@ fn find_match(colors: &[Rgb], color: Rgb) -> Match {
         share: 0,
         error,
     };
+    // An empty palette matches nothing.
     let Some(shown) = colors.get(main).map(|c| c.map(f32::from)) else {
         return only_main;
     };
     if error < DITHER_ABOVE {
         return only_main;
     }
-    // The partner lies on the other side; mixed with it, the mean comes near the wanted colour.
-    let beyond = std::array::from_fn(|i| 2.0 * wanted[i] - shown[i]);
-    let (other, _) = nearest(colors, beyond);
+    // The partner lies on the other side, perhaps a good way off; mixed with it, the mean comes
+    // near the wanted colour.
+    let beyond = |steps: f32| std::array::from_fn(|i| wanted[i] + steps * (wanted[i] - shown[i]));
+    let partners = [1.0, 2.0, 4.0].map(|steps| nearest(colors, beyond(steps)).0);
+    let Some(other) = partners.into_iter().find(|other| *other != main) else {
+        return only_main;
+    };
     let partner = colors[other].map(f32::from);
+    if distance_squared(partner, shown) > WIDEST_MIX * WIDEST_MIX {
+        return only_main;
+    }
     let along: f32 = (0..3)
         .map(|i| (wanted[i] - shown[i]) * (partner[i] - shown[i]))
         .sum();
@@ -161,6 +207,9 @@ fn coarse(color: Rgb) -> Rgb {
 
 /// Splits the points again and again where the spread is largest; the means are the colours.
 fn split(points: Vec<Point>, count: usize) -> Vec<[f32; 3]> {
+    if points.is_empty() {
+        return Vec::new();
+    }
     let mut groups = vec![Group::new(points)];
     while groups.len() < count {
         let worst =
@@ -250,8 +299,8 @@ mod tests {
     #[test]
     fn few_colors_are_kept_exactly() {
         let colors = [[0, 0, 0], [255, 255, 255], [200, 30, 40]];
-        let mut palette = Palette::learn(colors.into_iter().cycle().take(300), 255);
-        assert_eq!(palette.colors.len(), 3);
+        let mut palette = Palette::learn(colors.into_iter().cycle().take(300));
+        assert_eq!(palette.base.len(), 3);
         for color in colors {
             assert_eq!(palette.error(color), 0.0);
         }
@@ -261,14 +310,14 @@ mod tests {
     fn small_body_before_a_large_gradient_keeps_its_color() {
         let gradient = (0..100_000).map(|i| [(150 + i % 100) as u8; 3]);
         let body = std::iter::repeat_n([220, 40, 30], 20);
-        let mut palette = Palette::learn(gradient.chain(body), 32);
+        let mut palette = Palette::learn(gradient.chain(body));
         assert!(palette.error([220, 40, 30]) < 2.0);
     }
 
     #[test]
     fn mixing_brings_the_mean_near_the_wanted_color() {
         let ends = [[100, 100, 100], [116, 116, 116]];
-        let mut palette = Palette::learn(ends.into_iter(), 2);
+        let mut palette = Palette::learn(ends.into_iter());
         for wanted in [104u8, 108, 112] {
             let cells = (0..16).map(|i| palette.index([wanted; 3], [i % 4, i / 4]));
             let mean = cells.map(|i| f32::from(ends[i as usize][0])).sum::<f32>() / 16.0;
@@ -277,8 +326,27 @@ mod tests {
     }
 
     #[test]
+    fn still_background_looks_the_same_after_colors_are_relearned() {
+        let background: Vec<Rgb> = (0..3000).map(|i| [(100 + i % 120) as u8; 3]).collect();
+        let mut palette = Palette::learn(background.iter().copied());
+        let before = palette.bytes();
+        let shown: Vec<u8> = background
+            .iter()
+            .map(|c| palette.index(*c, [1, 2]))
+            .collect();
+        palette.relearn((0..=255).map(|i| [i, 40, 255 - i]));
+        assert_ne!(palette.bytes(), before);
+        let again: Vec<u8> = background
+            .iter()
+            .map(|c| palette.index(*c, [1, 2]))
+            .collect();
+        assert_eq!(shown, again);
+        assert!(palette.error([128, 40, 127]) < 2.0);
+    }
+
+    #[test]
     fn nothing_to_learn_from_gives_no_colors_and_no_panic() {
-        let mut palette = Palette::learn(std::iter::empty(), 255);
+        let mut palette = Palette::learn(std::iter::empty());
         assert_eq!(palette.index([1, 2, 3], [0, 0]), 0);
     }
 }

@@ -2,10 +2,11 @@
 
 use crate::frame::{BodyFrame, BodyRole, Frame};
 use crate::render::camera::{Camera, NamedView};
+use crate::render::light::TOWARDS_KEY_LIGHT;
 use glam::Vec3;
 
 /// Share of the picture left free at each side by the automatic camera.
-const MARGIN: f32 = 0.1;
+const MARGIN: f32 = 0.12;
 /// How far the automatic camera follows a long flight: multiples of the largest extent of what
 /// is there in the last frame. A hammer that falls from ten metres enters from above instead of
 /// being a dot.
@@ -137,10 +138,15 @@ impl Framing {
             shown.extend(corners(clipped(body.bounds, near)));
         }
         if let Some(floor) = floor {
-            // The floor belongs to the picture if it is near.
+            // The floor and the shadow on it belong to the picture if they are near.
             let height = floor.height_m.clamp(near.0.z, near.1.z);
             let middle = 0.5 * (last.0 + last.1);
-            shown.push(middle.truncate().extend(height));
+            let fall = (middle.z - height).max(0.0) / TOWARDS_KEY_LIGHT.z;
+            let shadow = middle - TOWARDS_KEY_LIGHT * fall;
+            for point in [middle, shadow] {
+                let point = point.truncate().extend(height);
+                shown.push(point.clamp(near.0, near.1));
+            }
         }
         shown
     }

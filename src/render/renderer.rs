@@ -22,13 +22,14 @@ use glam::{Vec2, Vec3};
 /// Side of the key light's shadow map, texels.
 const SHADOW_SIDE_PX: u32 = 1024;
 /// Side of the map of heights above the floor, texels.
-const HEIGHT_SIDE_PX: u32 = 384;
+const HEIGHT_SIDE_PX: u32 = 256;
 /// Side of the floor's light map, texels.
 const FLOOR_LIGHT_SIDE_PX: u32 = 256;
 /// Bodies dim the ambient light on the floor up to this height, in body radii.
 const FLOOR_REACH_RADII: f32 = 0.7;
-/// Radius of the floor, in radii of the scene.
-const FLOOR_RADII: f32 = 14.0;
+/// Radius of the floor around what the camera looks at, in distances of the camera. It hangs on
+/// the camera alone, so that the background keeps still while bodies move.
+const FLOOR_RADIUS: f32 = 3.0;
 
 /// Where a picture goes: a rectangle of a texture.
 #[derive(Clone, Copy, Debug)]
@@ -282,8 +283,6 @@ impl Renderer {
 struct Fits {
     shadow: ShadowFit,
     floor: Option<FloorFit>,
-    center_m: Vec3,
-    radius_m: f32,
 }
 
 impl Fits {
@@ -294,8 +293,6 @@ impl Fits {
         Self {
             shadow: ShadowFit::around(bounds, shadow_px),
             floor: floor.map(|floor| FloorFit::around(bounds, floor.height_m, reach_m)),
-            center_m: 0.5 * (bounds.0 + bounds.1),
-            radius_m: 0.5 * (bounds.1 - bounds.0).length(),
         }
     }
 }
@@ -320,7 +317,7 @@ fn uniforms(
         sky_light: theme.sky_light.to_array(),
         floor_height: floor.map_or(-1e9, |floor| floor.height_m),
         bounce_light: theme.bounce_light.to_array(),
-        floor_radius: (FLOOR_RADII * fits.radius_m).max(1.5 * camera.distance_m),
+        floor_radius: FLOOR_RADIUS * camera.distance_m,
         rim_light: theme.rim_light.to_array(),
         map_row: map_row(map_of(view.color_by)),
         background_low: theme.background_low.to_array(),
@@ -331,7 +328,7 @@ fn uniforms(
         light_spread: KEY_LIGHT_SPREAD,
         wire_color: theme.wire_color.to_array(),
         wire_opacity: theme.wire_opacity,
-        floor_center: fits.center_m.truncate().to_array(),
+        floor_center: camera.target_m.truncate().to_array(),
         floor_map_low: floor.map_or(Vec2::ZERO, |floor| floor.low_m).to_array(),
         floor_map_side: floor.map_or(1.0, |floor| floor.side_m),
         // Without a floor nothing is near it.

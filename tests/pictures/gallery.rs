@@ -2,6 +2,7 @@
 
 use crate::shapes::{ball, block, colored, frame, ground, hammer, turned};
 use glam::{Quat, Vec3};
+use hammerfall::export::gif::GifWriter;
 use hammerfall::export::png::write_png;
 use hammerfall::frame::{BodyFrame, Frame, VertexFields};
 use hammerfall::render::*;
@@ -159,6 +160,7 @@ fn gallery() {
                 ..view.clone()
             },
         ),
+        ("tiny", small.clone(), view.clone()),
         (
             "no floor",
             frame(small.bodies[1..].to_vec()),
@@ -177,6 +179,7 @@ fn gallery() {
         ),
     ];
     for (name, scene, view) in variants {
+        let size = if name == "tiny" { [96, 54] } else { size };
         let triangles: usize = scene.bodies.iter().map(|b| b.surface.triangles.len()).sum();
         screen.render(size, &scene, &camera, &view).unwrap();
         let before = cpu_ms();
@@ -191,6 +194,70 @@ fn gallery() {
         println!(
             "{name}: {triangles} triangles, best {:.1} ms, median {:.1} ms, processor {cpu:.1} ms",
             times[0], times[7]
+        );
+    }
+}
+
+/// A hammer that turns while it falls.
+fn falling(step: usize, count: usize) -> Frame {
+    let share = step as f32 / count as f32;
+    let mut body = stress(hammer(2));
+    let turn = Quat::from_rotation_y(1.5 * share) * Quat::from_rotation_x(0.8 * share);
+    body = turned(body, Vec3::new(0.0, 0.0, 0.2), turn);
+    for p in &mut body.positions_m {
+        p[2] += 0.5 * (1.0 - share * share);
+    }
+    let mut frame = frame(vec![ground(), body]);
+    frame.time_s = 0.3 * f64::from(share);
+    frame
+}
+
+/// As above, for an animation: look at `falling.gif`.
+#[test]
+#[ignore = "for eyes only"]
+fn animation() {
+    let folder = PathBuf::from(std::env::var("HAMMERFALL_GALLERY").expect("a folder"));
+    let mut screen = OffScreen::new(&Gpu::headless().unwrap()).unwrap();
+    let size = [960, 540];
+    let frames: Vec<Frame> = (0..45).map(|step| falling(step, 45)).collect();
+    let mut framing = Framing::default();
+    frames.iter().for_each(|frame| framing.include(frame));
+    let camera = framing.camera(NamedView::ThreeQuarter, 960.0 / 540.0);
+    for (name, color_by) in [
+        ("material", ColorBy::Material),
+        ("stress", ColorBy::VonMises),
+    ] {
+        let view = View {
+            color_by,
+            ground: Ground::At(framing.floor().unwrap()),
+            caption: Some(Caption {
+                show_time: true,
+                slow_motion: Some(5.0),
+                text: String::new(),
+            }),
+            range: color_by
+                .has_values()
+                .then(|| Range::of_frames(&frames, color_by)),
+            ..View::for_size(size)
+        };
+        let path = folder.join(format!("falling-{name}.gif"));
+        let mut draw = |frame| screen.render(size, frame, &camera, &view).unwrap();
+        let first = draw(&frames[0]);
+        write_png(&folder.join(format!("falling-{name}.png")), &first).unwrap();
+        let mut gif = GifWriter::create(&path, size, 30.0, &[&first]).unwrap();
+        let mut spent = std::time::Duration::ZERO;
+        for frame in &frames {
+            let picture = draw(frame);
+            let start = Instant::now();
+            gif.push(&picture).unwrap();
+            spent += start.elapsed();
+        }
+        gif.finish().unwrap();
+        let bytes = std::fs::metadata(&path).unwrap().len();
+        println!(
+            "{name}: {} kB, {:.0} ms a picture for the file",
+            bytes / 1000,
+            spent.as_secs_f64() * 1e3 / frames.len() as f64
         );
     }
 }
