@@ -122,7 +122,7 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let half_way = normalize(to_eye + frame.towards_light);
     let highlight = pow(saturate(dot(normal, half_way)), 48.0) * 0.22 * gloss;
     let grazing = 1.0 - saturate(dot(normal, to_eye));
-    let fresnel = (0.05 + 0.6 * grazing * grazing * grazing * grazing) * gloss;
+    let fresnel = (0.03 + 0.5 * pow(grazing, 5.0)) * gloss;
     let mirrored = reflect(-to_eye, normal);
     let rim = frame.rim_light * (fresnel * smoothstep(-0.25, 0.55, mirrored.z));
 

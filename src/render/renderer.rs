@@ -168,7 +168,10 @@ impl Renderer {
         };
         self.draw_on_target(&mut encoder, target, &content);
         self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.check()
+        self.gpu.check().inspect_err(|_| {
+            // They may be what failed; the next picture gets new ones.
+            self.textures = None;
+        })
     }
 
     /// Brings the frame's triangles to the GPU; returns the number of vertices.

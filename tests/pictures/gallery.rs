@@ -1,6 +1,6 @@
 //! Large pictures to look at, and what they cost.
 
-use crate::shapes::{ball, block, colored, frame, ground, hammer, turned};
+use crate::shapes::{ball, block, colored, frame, ground, hammer, joined, turned};
 use glam::{Quat, Vec3};
 use hammerfall::export::gif::GifWriter;
 use hammerfall::export::png::write_png;
@@ -259,5 +259,73 @@ fn animation() {
             bytes / 1000,
             spent.as_secs_f64() * 1e3 / frames.len() as f64
         );
+    }
+}
+
+/// Four legs and a top.
+fn table() -> BodyFrame {
+    let leg = |x: f32, y: f32| {
+        let foot = Vec3::new(x, y, 0.0);
+        block(foot, foot + Vec3::new(0.05, 0.05, 0.6), [1, 1, 8])
+    };
+    let top = block(
+        Vec3::new(-0.5, -0.3, 0.6),
+        Vec3::new(0.5, 0.3, 0.65),
+        [12, 8, 1],
+    );
+    let legs = [(-0.48, -0.28), (0.43, -0.28), (-0.48, 0.23), (0.43, 0.23)];
+    legs.into_iter()
+        .fold(colored(top, [0.64, 0.44, 0.28]), |all, (x, y)| {
+            let mut joint = joined(all.clone(), colored(leg(x, y), [0.64, 0.44, 0.28]));
+            joint.palette_srgb = all.palette_srgb;
+            joint
+        })
+}
+
+/// Scenes like those that ship: `table.png`, `rods.png`, `coarse.png`.
+#[test]
+#[ignore = "for eyes only"]
+fn likenesses() {
+    let folder = PathBuf::from(std::env::var("HAMMERFALL_GALLERY").expect("a folder"));
+    let mut screen = OffScreen::new(&Gpu::headless().unwrap()).unwrap();
+    let size = [960, 540];
+    let mut falling = hammer(1);
+    for p in &mut falling.positions_m {
+        p[2] += 0.62;
+    }
+    let rod = |from: f32| {
+        block(
+            Vec3::new(from, -0.02, -0.02),
+            Vec3::new(from + 0.6, 0.02, 0.02),
+            [30, 2, 2],
+        )
+    };
+    let cup = colored(ball(Vec3::new(-0.5, 0.2, 0.2), 0.2, 3), [0.85, 0.85, 0.88]);
+    let coarse = colored(ball(Vec3::new(0.2, 0.0, 0.25), 0.25, 2), [0.30, 0.50, 0.75]);
+    let scenes = [
+        ("table", vec![ground(), table(), falling]),
+        (
+            "rods",
+            vec![
+                stress(colored(rod(-0.62), [0.8, 0.3, 0.25])),
+                stress(rod(0.0)),
+            ],
+        ),
+        ("coarse", vec![ground(), cup, coarse]),
+    ];
+    for (name, bodies) in scenes {
+        let frame = frame(bodies);
+        let camera = Framing::of(&frame).camera(NamedView::ThreeQuarter, 960.0 / 540.0);
+        let view = View {
+            color_by: if name == "rods" {
+                ColorBy::MaxPrincipal
+            } else {
+                ColorBy::Material
+            },
+            wireframe: name == "rods",
+            ..View::for_size(size)
+        };
+        let picture = screen.render(size, &frame, &camera, &view).unwrap();
+        write_png(&folder.join(format!("{name}.png")), &picture).unwrap();
     }
 }

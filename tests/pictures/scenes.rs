@@ -123,6 +123,7 @@ fn ball_is_round_and_smooth() {
         [0.9, 0.35, 0.2],
     )]));
     shot.view.ground = Ground::Hidden;
+    shot.camera.target_m = Vec3::ZERO;
     let picture = shot.draw(&mut screen);
     let is_ball = |x: u32, y: u32| {
         let [r, _, b] = picture.rgb_at(x, y);
@@ -143,7 +144,7 @@ fn ball_is_round_and_smooth() {
         (ball_pixels as f32 / disk - 1.0).abs() < 0.15,
         "{ball_pixels} of {disk}"
     );
-    assert!(uneven < 120, "left and right differ at {uneven} pixels");
+    assert!(uneven < 60, "left and right differ at {uneven} pixels");
     assert_like_stored("ball", &picture);
 }
 
