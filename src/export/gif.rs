@@ -28,6 +28,8 @@ pub struct GifWriter {
     path: PathBuf,
     file: File,
     encoder: gif::Encoder<Vec<u8>>,
+    /// Length of the file up to the last complete picture, without the end mark.
+    complete_bytes: u64,
     size: [usize; 2],
     fps: f64,
     pictures: u64,
@@ -75,6 +77,7 @@ impl GifWriter {
             path: path.to_owned(),
             file,
             encoder,
+            complete_bytes: 0,
             size: size_px.map(|px| px as usize),
             fps,
             pictures: 0,
@@ -138,13 +141,20 @@ impl GifWriter {
     }
 
     /// Writes what the encoder has made, with the end mark behind it, and steps back in front of
-    /// the mark.
+    /// the mark. If the disk takes only a part, the file ends after the picture before.
     fn flush(&mut self) -> io::Result<()> {
-        let bytes = self.encoder.get_mut();
+        let mut bytes = std::mem::take(self.encoder.get_mut());
         bytes.push(TRAILER);
-        self.file.write_all(bytes)?;
-        bytes.clear();
-        self.file.seek(SeekFrom::Current(-1))?;
+        let written = self.file.write_all(&bytes);
+        if written.is_err() && self.complete_bytes > 0 {
+            // What is wrong with the disk has been found; closing the file is all that is left.
+            let _ = self.file.set_len(self.complete_bytes);
+            let _ = self.file.seek(SeekFrom::Start(self.complete_bytes));
+            let _ = self.file.write_all(&[TRAILER]);
+        }
+        written?;
+        self.complete_bytes += bytes.len() as u64 - 1;
+        self.file.seek(SeekFrom::Start(self.complete_bytes))?;
         Ok(())
     }
 
