@@ -95,6 +95,20 @@ fn shoulder(color: vec3<f32>) -> vec3<f32> {
 
 @fragment
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+    return shaded(in);
+}
+
+// Leaves out what is below the floor. Separate, since discarding costs the early depth test.
+@fragment
+fn fragment_above_floor(in: VertexOutput) -> @location(0) vec4<f32> {
+    let color = shaded(in);
+    if in.world.z < frame.floor_height && frame.eye.z > frame.floor_height {
+        discard;
+    }
+    return color;
+}
+
+fn shaded(in: VertexOutput) -> vec4<f32> {
     let normal = normalize(in.normal);
     let to_eye = normalize(frame.eye - in.world);
     let facing = dot(normal, frame.towards_light);

@@ -114,7 +114,6 @@ pub(crate) struct PipelineParts<'a> {
     /// Entry point and format of the colour target; `None` draws depth only.
     pub fragment: Option<(&'a str, wgpu::TextureFormat)>,
     pub depth: Option<wgpu::DepthStencilState>,
-    pub topology: wgpu::PrimitiveTopology,
     pub cull: Option<wgpu::Face>,
     pub samples: u32,
 }
@@ -135,7 +134,6 @@ impl<'a> PipelineParts<'a> {
             vertex_buffer: None,
             fragment: Some(("fragment", format)),
             depth: None,
-            topology: wgpu::PrimitiveTopology::TriangleList,
             cull: None,
             samples: 1,
         }
@@ -160,7 +158,6 @@ impl<'a> PipelineParts<'a> {
                 buffers: &[self.vertex_buffer],
             },
             primitive: wgpu::PrimitiveState {
-                topology: self.topology,
                 cull_mode: self.cull,
                 ..Default::default()
             },

@@ -6,7 +6,6 @@ use crate::render::compose_pass::{ComposePass, SceneTextures};
 use crate::render::depth_pass::{DepthMap, DepthPass};
 use crate::render::floor_blur_pass::FloorBlurPass;
 use crate::render::floor_light_pass::FloorLightPass;
-use crate::render::floor_pass::FloorPass;
 use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
 use crate::render::framing::{Floor, Framing};
 use crate::render::geometry::{Coloring, Geometry, GeometryBuilder, SurfaceVertex};
@@ -90,7 +89,6 @@ pub struct Renderer {
     height_map: DepthMap,
     floor_light_pass: FloorLightPass,
     floor_blur_pass: FloorBlurPass,
-    floor_pass: FloorPass,
     surface_pass: SurfacePass,
     compose_pass: ComposePass,
     overlay: Overlay,
@@ -113,9 +111,8 @@ impl Renderer {
         let floor_light_pass = FloorLightPass::new(device, &frame, maps, FLOOR_LIGHT_SIDE_PX);
         let floor_blur_pass = FloorBlurPass::new(device, &floor_light_pass.map);
         Self {
-            floor_pass: FloorPass::new(device, &frame, &floor_blur_pass.map),
             surface_pass: SurfacePass::new((device, &gpu.queue), &frame, &shadow_map),
-            compose_pass: ComposePass::new(device, target_format),
+            compose_pass: ComposePass::new(device, &frame, &floor_blur_pass.map, target_format),
             overlay: Overlay::new(device, target_format),
             geometry: GeometryBuilder::default(),
             vertices: vertex_buffer(device, 1 << 16),
@@ -224,7 +221,6 @@ impl Renderer {
             self.height_map
                 .set_matrix(queue, floor.heights_from_world());
         }
-        self.compose_pass.place(queue, target.origin_px);
     }
 
     fn fit_textures(&mut self, size_px: [u32; 2]) {
@@ -251,12 +247,8 @@ impl Renderer {
         };
         let mut pass = begin_scene(encoder, textures);
         pass.set_bind_group(0, &self.frame.group, &[]);
-        // From near to far: what is hidden is not shaded.
-        self.surface_pass.draw(&mut pass, &self.vertices, count);
-        if fits.floor.is_some() {
-            self.floor_pass.draw_floor(&mut pass);
-        }
-        self.floor_pass.draw_background(&mut pass);
+        self.surface_pass
+            .draw(&mut pass, &self.vertices, count, fits.is_cut_by_floor);
     }
 
     fn draw_on_target(
@@ -276,7 +268,7 @@ impl Renderer {
         let [width, height] = target.size_px.map(|px| px as f32);
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
         if let Some(textures) = &self.textures {
-            self.compose_pass.draw(&mut pass, textures);
+            self.compose_pass.draw(&mut pass, &self.frame, textures);
         }
         self.overlay.draw(&mut pass);
     }
@@ -286,6 +278,8 @@ impl Renderer {
 struct Fits {
     shadow: ShadowFit,
     floor: Option<FloorFit>,
+    /// Whether something reaches below the floor.
+    is_cut_by_floor: bool,
 }
 
 impl Fits {
@@ -295,6 +289,7 @@ impl Fits {
         let reach_m = (FLOOR_REACH_RADII * geometry.body_radius_m).max(1e-5);
         Self {
             shadow: ShadowFit::around(bounds, shadow_px),
+            is_cut_by_floor: floor.is_some_and(|f| bounds.0.z < f.height_m - 1e-3 * reach_m),
             floor: floor.map(|floor| FloorFit::around(bounds, floor.height_m, reach_m)),
         }
     }
@@ -308,6 +303,7 @@ fn uniforms(
     theme: &Theme,
 ) -> FrameUniforms {
     let floor = fits.floor;
+    let [corner, right, up] = camera.picture_rays(target.aspect());
     FrameUniforms {
         clip_from_world: camera.clip_from_world(target.aspect()).to_cols_array_2d(),
         shadow_from_world: fits.shadow.shadow_from_world.to_cols_array_2d(),
@@ -336,7 +332,11 @@ fn uniforms(
         floor_map_side: floor.map_or(1.0, |floor| floor.side_m),
         // Without a floor nothing is near it.
         floor_reach: floor.map_or(1e-9, |floor| floor.reach_m),
-        picture_px: target.size_px.map(|px| px as f32),
+        picture_origin: target.origin_px.map(|px| px as f32),
+        ray_corner: corner.to_array(),
+        ray_right: right.to_array(),
+        ray_up: up.to_array(),
+        ..FrameUniforms::default()
     }
 }
 
@@ -369,7 +369,7 @@ fn begin_scene<'e>(
             depth_slice: None,
             resolve_target: Some(&textures.resolved),
             ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
                 store: wgpu::StoreOp::Discard,
             },
         })],
