@@ -12,6 +12,8 @@ const CHANNEL_WEIGHT: [f32; 3] = [0.55, 0.80, 0.45];
 /// Colours nearer than this to their match (weighted channel steps) are not mixed from two: the
 /// eye does not see the difference, and even areas stay small in the file.
 const DITHER_ABOVE: f32 = 1.3;
+/// Matches remembered at most: some tens of megabytes, also in the longest animation.
+const MOST_REMEMBERED: usize = 1 << 20;
 /// Colours farther apart than this are not mixed: one would see the pattern.
 const WIDEST_MIX: f32 = 28.0;
 /// Thresholds in an order that spreads each level evenly over 4x4 pixels, in sixteenths.
@@ -31,9 +33,13 @@ const BASE_SERVES_WITHIN: f32 = 3.0;
 /// At most 255 colours and a memory of what matches them.
 #[derive(Clone, Debug)]
 pub(super) struct Palette {
-    base: Vec<Rgb>,
-    extra: Vec<Rgb>,
-    matches: HashMap<Rgb, Match>,
+    /// Base colours, then extra ones.
+    colors: Vec<Rgb>,
+    base_count: usize,
+    /// Matches by the base, which hold for ever; `None` where it does not serve.
+    base_matches: HashMap<Rgb, Option<Match>>,
+    /// Matches by all colours, which hold until the extra ones change.
+    other_matches: HashMap<Rgb, Match>,
 }
 
 /// How to show one colour: mostly `main`, and `other` on `share` of the pixels.
@@ -51,10 +57,12 @@ impl Palette {
     /// Learns base and extra colours from pixels.
     pub fn learn(pixels: impl Iterator<Item = Rgb>) -> Self {
         let points = weighted(pixels);
+        let base = learn_colors(&points, BASE_COLORS);
         let mut palette = Self {
-            base: learn_colors(&points, BASE_COLORS),
-            extra: Vec::new(),
-            matches: HashMap::new(),
+            base_count: base.len(),
+            colors: base,
+            base_matches: HashMap::new(),
+            other_matches: HashMap::new(),
         };
         palette.learn_extra(&points);
         palette
@@ -66,15 +74,16 @@ impl Palette {
     }
 
     fn learn_extra(&mut self, points: &[Point]) {
-        let is_missed = |p: &&Point| nearest(&self.base, p.color).1 > BASE_SERVES_WITHIN;
+        self.colors.truncate(self.base_count);
+        let is_missed = |p: &&Point| nearest(&self.colors, p.color).1 > BASE_SERVES_WITHIN;
         let missed: Vec<Point> = points.iter().filter(is_missed).copied().collect();
-        self.extra = learn_colors(&missed, EXTRA_COLORS);
-        self.matches.clear();
+        self.colors.extend(learn_colors(&missed, EXTRA_COLORS));
+        self.other_matches.clear();
     }
 
     /// Red, green, blue of each colour, one after the other.
     pub fn bytes(&self) -> Vec<u8> {
-        [self.base.as_flattened(), self.extra.as_flattened()].concat()
+        self.colors.concat()
     }
 
     /// The colour to use for `color` at a pixel, an index into the palette.
@@ -94,17 +103,18 @@ impl Palette {
     }
 
     fn matched(&mut self, color: Rgb) -> Match {
-        if let Some(known) = self.matches.get(&color) {
-            return *known;
+        if self.base_matches.len() > MOST_REMEMBERED {
+            self.base_matches.clear();
         }
-        let by_base = find_match(&self.base, color);
-        let found = if by_base.error <= BASE_SERVES_WITHIN {
-            by_base
-        } else {
-            find_match(&[self.base.as_slice(), &self.extra].concat(), color)
-        };
-        self.matches.insert(color, found);
-        found
+        let base = &self.colors[..self.base_count];
+        let by_base = self.base_matches.entry(color).or_insert_with(|| {
+            let found = find_match(base, color);
+            (found.error <= BASE_SERVES_WITHIN).then_some(found)
+        });
+        by_base.unwrap_or_else(|| {
+            let other = self.other_matches.entry(color);
+            *other.or_insert_with(|| find_match(&self.colors, color))
+        })
     }
 }
 
@@ -300,7 +310,7 @@ mod tests {
     fn few_colors_are_kept_exactly() {
         let colors = [[0, 0, 0], [255, 255, 255], [200, 30, 40]];
         let mut palette = Palette::learn(colors.into_iter().cycle().take(300));
-        assert_eq!(palette.base.len(), 3);
+        assert_eq!(palette.base_count, 3);
         for color in colors {
             assert_eq!(palette.error(color), 0.0);
         }

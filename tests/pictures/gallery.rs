@@ -140,6 +140,7 @@ fn gallery() {
         ),
         ("top", NamedView::Top, view.clone()),
         ("high", NamedView::High, view.clone()),
+        ("low", NamedView::Low, view.clone()),
     ];
     for (name, named, view) in pictures {
         let camera = framing.camera(named, 960.0 / 540.0);

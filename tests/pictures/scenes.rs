@@ -5,7 +5,8 @@ use crate::shapes::{ball, block, colored, fixed, frame, ground, hammer, turned};
 use glam::{Quat, Vec2, Vec3};
 use hammerfall::frame::{BodyFrame, Frame, VertexFields};
 use hammerfall::render::{
-    Background, Camera, Caption, ColorBy, Framing, Ground, NamedView, OffScreen, Picture, View,
+    Background, Camera, Caption, ColorBy, Floor, Framing, Ground, NamedView, OffScreen, Picture,
+    View,
 };
 use std::sync::Arc;
 
@@ -325,6 +326,23 @@ fn dark_studio_is_dark_and_its_bodies_are_not() {
     assert!(luminance_at(&picture, [2, 2]) < 60.0);
     assert!(shot.luminance(&picture, Vec3::new(0.0, 0.0, 1.3)) > 90.0);
     assert_like_stored("dark", &picture);
+}
+
+#[test]
+fn floor_hides_what_is_below_it() {
+    let Some(mut screen) = screen() else { return };
+    let mut shot = box_above_floor();
+    shot.view.ground = Ground::At(Floor {
+        height_m: 0.8,
+        replaces: Some(0),
+    });
+    let picture = shot.draw(&mut screen);
+    let is_red = |z: f32| {
+        let [x, y] = shot.pixel(Vec3::new(0.0, -0.5, z));
+        let [r, _, b] = picture.rgb_at(x, y).map(i32::from);
+        r - b > 25
+    };
+    assert!(is_red(1.1) && !is_red(0.5));
 }
 
 #[test]
