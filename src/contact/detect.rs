@@ -161,10 +161,13 @@ impl NodeSide<'_> {
         let rank = |c: &Constraint, triangle: u32| {
             let key = (c.bodies[0], c.nodes[0].1, c.bodies[1]);
             let is_held = self.list.holds(key, c.normal);
-            // Shallower first; then the one deeper within its borders.
-            let depth = if is_one_plane { 0.0 } else { (c.gap_m / c.size_m / NEW_PAIR_DEPTH).round() };
             let inside = c.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min);
-            (is_held, depth, inside, std::cmp::Reverse(triangle))
+            if is_one_plane {
+                return (is_held, inside, 0.0, std::cmp::Reverse(triangle));
+            }
+            // Of two faces of an edge the one that holds already, is less deep, is closed faster.
+            let depth = (c.gap_m / c.size_m / NEW_PAIR_DEPTH).round();
+            (is_held, depth, c.closing_m_s, std::cmp::Reverse(triangle))
         };
         rank(rival, a).partial_cmp(&rank(c, b)) == Some(std::cmp::Ordering::Greater)
     }
@@ -210,6 +213,7 @@ impl NodeSide<'_> {
             place_m: x,
             size_m,
             friction_coefficient: self.pair.friction_coefficient,
+            closing_m_s: -relative_v.dot(geometry.normal),
             may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
@@ -294,6 +298,7 @@ fn edge_constraint(
         place_m: p[0] * w[0] + p[1] * w[1],
         size_m,
         friction_coefficient: pair.friction_coefficient,
+        closing_m_s: -relative_v.dot(n),
         may_bounce: true,
         target_m_s: 0.0,
         impulse_n_s: DVec3::ZERO,

@@ -451,6 +451,7 @@ mod tests {
             place_m: node,
             size_m: 1.0,
             friction_coefficient: friction,
+            closing_m_s: 0.0,
             may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
