@@ -87,46 +87,26 @@ fn incline() {
 
 #[test]
 fn stack() {
-    for (cfl, cons) in [(0.8, false), (0.5, true), (0.5, false), (0.25, true)] {
-        println!("t cfl {cfl} {cons}");
-        let bodies = (0..10).map(|i| {
-            let mut m = material(1000.0, 1e6, 0.3);
-            m.damping_per_s = 50.0;
-            body(
-                &format!("cube{i}"),
-                box_mesh(DVec3::splat(0.1), [2, 2, 2], DVec3::Z * (0.05 + 0.1 * i as f64)),
-                m,
-            )
-        });
-        let mut setup = world(std::iter::once(ground()).chain(bodies).collect());
-        setup.contact.friction_coefficient = 0.5;
-        setup.time.cfl = cfl;
-        setup.contact.method = hammerfall::sim::ContactMethod::Lagrange {
-            passes: 3,
-            tolerance: 1e-4,
-            conserve_impact_energy: cons,
-        };
-        let mut world = World::new(setup).unwrap();
-        let clock = std::time::Instant::now();
-        let mut next = 0.0;
-        run(&mut world, 1.5, |w, s| {
-            if w.time_s() >= next {
-                next += 0.3;
-                println!(
-                    "t {:.3} {:?} ke {:.3e} se {:.4} pe {:.4} dis {:.4} pairs {} pass {} pen {:.2e} top {}",
-                    w.time_s(),
-                    s.step.stage,
-                    s.kinetic_j,
-                    s.strain_j,
-                    s.potential_j,
-                    s.dissipated_j,
-                    s.step.contact_pairs,
-                    s.step.passes,
-                    s.step.max_penetration_ratio,
-                    w.body_pose(10).1
-                );
-            }
-        });
-        println!("steps {} wall {:?}", world.steps(), clock.elapsed());
-    }
+    // Stiff enough not to buckle: a column of 1e6 Pa, 0.1 m wide, does so at 0.87 m under its own weight.
+    let bodies = (0..10).map(|i| {
+        let mut m = material(1000.0, 2e7, 0.3);
+        m.damping_per_s = 200.0;
+        body(&format!("cube{i}"), box_mesh(DVec3::splat(0.1), [2, 2, 2], DVec3::Z * (0.05 + 0.1 * i as f64)), m)
+    });
+    let mut setup = world(std::iter::once(ground()).chain(bodies).collect());
+    setup.contact.friction_coefficient = 0.5;
+    let mut world = World::new(setup).unwrap();
+    let clock = std::time::Instant::now();
+    let mut next = 0.0;
+    run(&mut world, 5.0, |w, s| {
+        if w.time_s() >= next {
+            next += 0.25;
+            println!(
+                "t {:.3} {:?} ke {:.3e} se {:.4} pe {:.4} dis {:.4} pairs {} pass {} pen {:.2e} top {}",
+                w.time_s(), s.step.stage, s.kinetic_j, s.strain_j, s.potential_j, s.dissipated_j,
+                s.step.contact_pairs, s.step.passes, s.step.max_penetration_ratio, w.body_pose(10).1
+            );
+        }
+    });
+    println!("steps {} wall {:?}", world.steps(), clock.elapsed());
 }
