@@ -111,14 +111,15 @@ pub fn between(first: Boxed, second: Boxed, is_swept: bool) -> Candidates {
         }
         push_nodes(&mut found.node_on_second, (s1, b1, t1), (b2, t2), is_swept);
         push_nodes(&mut found.node_on_first, (s2, b2, t2), (b1, t1), is_swept);
-        push_edges(&mut found.edge_pairs, (s1, t1), (s2, t2));
+        push_edges(&mut found.edge_pairs, (s1, b1, t1), (s2, b2, t2), is_swept);
     }
     found
 }
 
-/// Candidates of a body with itself: features that share a node are left out.
+/// Candidates of a body with itself. Features that are neighbours in the reference shape are left out: they could
+/// only meet by turning an element inside out.
 #[must_use]
-pub fn within(body: Boxed) -> Candidates {
+pub fn within(body: Boxed, reference_m: &[DVec3]) -> Candidates {
     let mut found = Candidates::default();
     let (surface, boxes) = body;
     let mut pairs = Vec::new();
@@ -133,14 +134,24 @@ pub fn within(body: Boxed) -> Candidates {
         }
         push_nodes(&mut found.node_on_second, (surface, boxes, t1), (boxes, t2), false);
         push_nodes(&mut found.node_on_second, (surface, boxes, t2), (boxes, t1), false);
-        push_edges(&mut found.edge_pairs, (surface, t1), (surface, t2));
+        push_edges(&mut found.edge_pairs, (surface, boxes, t1), (surface, boxes, t2), false);
     }
+    let at = |n: u32| reference_m[n as usize];
+    let size = |n: u32| surface.node_size_m[n as usize];
+    found.node_on_second.retain(|(node, triangle)| {
+        let corners = surface.triangles[*triangle as usize];
+        corners.iter().all(|c| at(*node).distance(at(*c)) > NEIGHBOUR * size(*node).max(size(*c)))
+    });
     found.edge_pairs.retain(|(e1, e2)| {
         let [a, b] = [e1, e2].map(|e| surface.edges[*e as usize].nodes);
-        !a.iter().any(|n| b.contains(n))
+        let far = |n: &u32, m: &u32| at(*n).distance(at(*m)) > NEIGHBOUR * size(*n).max(size(*m));
+        a.iter().all(|n| b.iter().all(|m| far(n, m)))
     });
     found
 }
+
+/// Reference distance, in local element sizes, up to which features of one body are neighbours.
+const NEIGHBOUR: f64 = 2.0;
 
 fn push_nodes(
     out: &mut Vec<(u32, u32)>,
@@ -157,13 +168,22 @@ fn push_nodes(
     }
 }
 
-fn push_edges(out: &mut Vec<(u32, u32)>, (s1, t1): (&ContactSurface, u32), (s2, t2): (&ContactSurface, u32)) {
-    let sharp = |s: &ContactSurface, t: u32| {
-        s.owned_edges[t as usize].map(|e| e.filter(|e| s.edges[*e as usize].is_sharp))
+type Speaker<'a> = (&'a ContactSurface, &'a SurfaceBoxes, u32);
+
+fn push_edges(out: &mut Vec<(u32, u32)>, first: Speaker, second: Speaker, is_swept: bool) {
+    let sharp = |(surface, boxes, t): Speaker| {
+        surface.owned_edges[t as usize].map(|e| {
+            let edge = e.filter(|e| surface.edges[*e as usize].is_sharp)?;
+            let ends = surface.edges[edge as usize].nodes.map(|n| boxes.positions_m[n as usize]);
+            Some((edge, box_around(ends, boxes.margin_m)))
+        })
     };
-    for e1 in sharp(s1, t1).into_iter().flatten() {
-        for e2 in sharp(s2, t2).into_iter().flatten() {
-            out.push((e1, e2));
+    let others = sharp(second);
+    for (e1, box1) in sharp(first).into_iter().flatten() {
+        for (e2, box2) in others.iter().flatten() {
+            if is_swept || overlap(&box1, box2) {
+                out.push((e1, *e2));
+            }
         }
     }
 }

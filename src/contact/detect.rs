@@ -3,7 +3,7 @@
 use super::atomic::{AtomicCase, Verdict};
 use super::candidates::Candidates;
 use super::constraint::{Constraint, Feature, Geometry};
-use super::geometry::unit_normal;
+use super::geometry::{closest_on_lines, unit_normal};
 use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
 use glam::DVec3;
@@ -189,6 +189,9 @@ impl NodeSide<'_> {
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
         let patch_v = corners.map(|n| other.velocities_m_s[n as usize]);
         let (x, v) = (own.positions_m[node as usize], own.velocities_m_s[node as usize]);
+        if is_out_of_reach((x, v), (patch_m, patch_v), size_m, self.step_s) {
+            return None;
+        }
         let geometry = Geometry::node_on_patch(x, patch_m)?;
         let gap = geometry.gap_m;
         if gap < -HELD_PAIR_DEPTH * size_m {
@@ -233,6 +236,25 @@ impl NodeSide<'_> {
     }
 }
 
+/// A cheap look before the geometry: whether the node is further from the patch's plane than it can come in the
+/// step, or deeper than any contact.
+fn is_out_of_reach(
+    (x, v): (DVec3, DVec3),
+    (patch_m, patch_v): ([DVec3; 3], [DVec3; 3]),
+    size_m: f64,
+    step_s: f64,
+) -> bool {
+    let normal = (patch_m[1] - patch_m[0]).cross(patch_m[2] - patch_m[0]);
+    let height = (x - patch_m[0]).dot(normal);
+    let patch_v2 = patch_v.iter().map(|u| u.length_squared()).fold(0.0, f64::max);
+    let reach_m = if height > 0.0 {
+        NEAR * size_m + step_s * (v.length_squared().sqrt() + patch_v2.sqrt())
+    } else {
+        HELD_PAIR_DEPTH * size_m
+    };
+    height * height > reach_m * reach_m * normal.length_squared()
+}
+
 /// The straight paths of a node and a patch over a step.
 struct Paths {
     x: DVec3,
@@ -273,14 +295,19 @@ fn edge_constraint(
     let at = |view: &BodyView, n: [u32; 2]| n.map(|n| view.positions_m[n as usize]);
     let speed = |view: &BodyView, n: [u32; 2]| n.map(|n| view.velocities_m_s[n as usize]);
     let (p, q) = (at(view1, n1), at(view2, n2));
+    let (v, u) = (speed(view1, n1), speed(view2, n2));
+    let size_m = (p[1] - p[0]).length().min((q[1] - q[0]).length());
+    let fastest_m_s = v.iter().chain(&u).map(|v| v.length()).fold(0.0, f64::max);
+    let reach_m = HELD_PAIR_DEPTH * size_m + 2.0 * fastest_m_s * step_s;
+    if !edges_may_touch(p, q, reach_m) {
+        return None;
+    }
     let fans = [edge_fan(view1, first), edge_fan(view2, second)];
     let geometry = Geometry::edge_on_edge(p, q, fans[1].outward - fans[0].outward)?;
-    let size_m = (p[1] - p[0]).length().min((q[1] - q[0]).length());
     let key = (pair.bodies[0], pair.bodies[1], first, second);
     let is_held = list.held_edges.binary_search(&key).is_ok();
     let depth = if is_held { HELD_PAIR_DEPTH } else { NEAR };
     let (w, n) = (geometry.weights, geometry.normal);
-    let (v, u) = (speed(view1, n1), speed(view2, n2));
     let relative_v = v[0] * w[0] + v[1] * w[1] + u[0] * w[2] + u[1] * w[3];
     let touches = geometry.gap_m >= -depth * size_m
         && geometry.gap_m + step_s * relative_v.dot(n) <= NEAR * size_m
@@ -303,6 +330,14 @@ fn edge_constraint(
         target_m_s: 0.0,
         impulse_n_s: DVec3::ZERO,
     })
+}
+
+/// A cheap look before the fans: whether the closest points of two edges lie on both and near each other.
+fn edges_may_touch(p: [DVec3; 2], q: [DVec3; 2], reach_m: f64) -> bool {
+    let Some((s, t)) = closest_on_lines(p, q) else { return false };
+    let inside = 0.0..=1.0;
+    let apart = p[0].lerp(p[1], s) - q[0].lerp(q[1], t);
+    inside.contains(&s) && inside.contains(&t) && apart.length_squared() <= reach_m * reach_m
 }
 
 /// The fan of directions between the two face normals of an edge.

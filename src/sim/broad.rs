@@ -85,7 +85,7 @@ impl BroadPhase {
             return None;
         }
         let candidates = if is_self {
-            within((&bodies[first].surface, boxes_a))
+            within((&bodies[first].surface, boxes_a), &bodies[first].reference_m)
         } else {
             between((&bodies[first].surface, boxes_a), (&bodies[second].surface, boxes_b), false)
         };

@@ -91,7 +91,11 @@ fn stack() {
     let bodies = (0..10).map(|i| {
         let mut m = material(1000.0, 2e7, 0.3);
         m.damping_per_s = 200.0;
-        body(&format!("cube{i}"), box_mesh(DVec3::splat(0.1), [2, 2, 2], DVec3::Z * (0.05 + 0.1 * i as f64)), m)
+        body(
+            &format!("cube{i}"),
+            box_mesh(DVec3::splat(0.1), [2, 2, 2], DVec3::Z * (0.05 + 0.1 * i as f64)),
+            m,
+        )
     });
     let mut setup = world(std::iter::once(ground()).chain(bodies).collect());
     setup.contact.friction_coefficient = 0.5;
@@ -103,8 +107,16 @@ fn stack() {
             next += 0.25;
             println!(
                 "t {:.3} {:?} ke {:.3e} se {:.4} pe {:.4} dis {:.4} pairs {} pass {} pen {:.2e} top {}",
-                w.time_s(), s.step.stage, s.kinetic_j, s.strain_j, s.potential_j, s.dissipated_j,
-                s.step.contact_pairs, s.step.passes, s.step.max_penetration_ratio, w.body_pose(10).1
+                w.time_s(),
+                s.step.stage,
+                s.kinetic_j,
+                s.strain_j,
+                s.potential_j,
+                s.dissipated_j,
+                s.step.contact_pairs,
+                s.step.passes,
+                s.step.max_penetration_ratio,
+                w.body_pose(10).1
             );
         }
     });
