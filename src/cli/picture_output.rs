@@ -80,9 +80,7 @@ impl PictureSink {
             return Ok(Self::Folder { folder: path.to_owned(), next: 0 });
         }
         let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-        parent
-            .map_or(Ok(()), create_folder)
-            .map_err(|error| Failure::from(error).before_the_run())?;
+        parent.map_or(Ok(()), create_folder).map_err(|error| Failure::from(error).before_the_run())?;
         check_writable(path)?;
         let path = path.to_owned();
         Ok(match kind {
@@ -98,10 +96,7 @@ impl PictureSink {
     ///
     /// # Errors
     /// [`Failure::Run`] when the file cannot be created, and whatever `samples` returns.
-    pub fn begin(
-        &mut self,
-        samples: impl FnOnce() -> Result<Vec<Picture>, Failure>,
-    ) -> Result<(), Failure> {
+    pub fn begin(&mut self, samples: impl FnOnce() -> Result<Vec<Picture>, Failure>) -> Result<(), Failure> {
         if let Self::Gif(GifFile { path, size_px, fps, writer }) = self {
             let samples = samples()?;
             let samples: Vec<&Picture> = samples.iter().collect();

@@ -1,0 +1,48 @@
+//! The panel at the left: dropping bodies, contact, materials.
+
+use super::{Action, contact, materials, widgets};
+use crate::viewer::app::App;
+use crate::viewer::drop_body::DropKind;
+use egui::{Button, ScrollArea, Ui, vec2};
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    let Some(running) = app.snapshot.scene.clone() else { return };
+    let is_waiting = app.edits.wait_for_reset(&running);
+    if is_waiting {
+        egui::Panel::bottom("apply").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
+            ui.add_space(6.0);
+            ui.vertical_centered_justified(|ui| {
+                if widgets::primary_button(ui, "Reset to apply the materials  (R)").clicked() {
+                    actions.push(Action::Reset);
+                }
+            });
+        });
+    }
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        widgets::section(ui, "Drop into the scene", |ui| drop_buttons(ui, app, actions));
+        widgets::section(ui, "Contact", |ui| {
+            if contact::show(ui, &mut app.edits.contact, &app.snapshot) {
+                actions.push(Action::ContactEdited);
+            }
+        });
+        let base = app.snapshot.base.clone();
+        widgets::section(ui, "Materials", |ui| {
+            materials::show(ui, &mut app.edits.materials, base.as_deref())
+        });
+    });
+}
+
+fn drop_buttons(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+    ui.add_enabled_ui(app.snapshot.run_error.is_none(), |ui| {
+        ui.columns_const(|columns: &mut [Ui; 3]| {
+            for (ui, kind) in columns.iter_mut().zip(DropKind::ALL) {
+                let button = Button::new(kind.label()).min_size(vec2(ui.available_width(), 30.0));
+                let hint = format!("Drop a {} from above the middle", kind.label().to_lowercase());
+                if ui.add(button).on_hover_text(hint).clicked() {
+                    actions.push(Action::Drop(kind));
+                }
+            }
+        });
+    });
+}
