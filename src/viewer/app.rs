@@ -44,7 +44,7 @@ pub struct App {
     dismissed: u64,
     /// Where the picture goes, points.
     pub viewport: Option<Rect>,
-    /// The picture of the scene, drawn by the window's graphics.
+    /// The picture of the scene, where the panels have to paint it.
     pub picture: Option<TextureId>,
     /// Thumbnails of the built-in scenes, drawn by the window's graphics.
     pub thumbnails: Vec<Option<TextureId>>,
@@ -141,6 +141,13 @@ impl App {
             view: self.look.view(pixels_per_point),
             size_px: [pixels(viewport.width()), pixels(viewport.height())],
         })
+    }
+
+    /// Upper left corner of the picture in the window, pixels; `None` when there is no picture.
+    #[must_use]
+    pub fn picture_corner_px(&self, pixels_per_point: f32) -> Option<[u32; 2]> {
+        let viewport = self.viewport.filter(|_| !self.is_gallery && self.snapshot.scene.is_some())?;
+        Some([viewport.left(), viewport.top()].map(|at| (at * pixels_per_point).round().max(0.0) as u32))
     }
 
     /// The next thumbnail to draw, if the gallery is open.

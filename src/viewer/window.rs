@@ -1,7 +1,7 @@
 //! The window: events in, frames out.
 
 use super::app::{App, TITLE};
-use super::graphics::{Graphics, Shown};
+use super::graphics::{Graphics, Output, Shown};
 use super::simulation::Simulation;
 use super::smoke::SmokeRun;
 use super::thumbnails::Sketcher;
@@ -59,8 +59,10 @@ impl Program {
 
     fn waker(&self) -> Box<dyn Fn() + Send> {
         let proxy = self.proxy.clone();
-        // Fails only when the window is already gone.
-        Box::new(move || drop(proxy.send_event(News)))
+        Box::new(move || {
+            // Fails only when the window is already gone.
+            let _ = proxy.send_event(News);
+        })
     }
 
     fn open_window(&self, event_loop: &ActiveEventLoop) -> Result<OpenWindow, ViewerError> {
@@ -194,7 +196,9 @@ impl OpenWindow {
         self.input.handle_platform_output(&self.window, output.platform_output.clone());
         let pixels_per_point = output.pixels_per_point;
         let drawn = self.graphics.draw_pictures(&mut self.app, pixels_per_point);
-        let shown = drawn.and_then(|()| self.graphics.paint(&self.context, output));
+        let background = self.context.global_style().visuals.panel_fill;
+        let output = Output { context: &self.context, background, full: output };
+        let shown = drawn.and_then(|()| self.graphics.paint(&self.app, output));
         match shown {
             Ok(shown) => self.after(shown),
             Err(error) => self.recover(error)?,

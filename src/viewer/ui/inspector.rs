@@ -3,11 +3,11 @@
 use super::{Action, plots, widgets};
 use crate::render::{ColorBy, NamedView};
 use crate::viewer::app::App;
-use egui::{ComboBox, ScrollArea, Ui};
+use egui::{ComboBox, Ui};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    widgets::side_scroll().show(ui, |ui| {
         widgets::section(ui, "View", |ui| view(ui, app, actions));
         let history = app.snapshot.history.clone();
         widgets::section(ui, "Energy", |ui| plots::energies(ui, &history));

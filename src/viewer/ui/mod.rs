@@ -4,6 +4,7 @@ mod banner;
 mod contact;
 mod gallery;
 mod help;
+mod icons;
 mod inspector;
 pub mod keys;
 mod materials;
@@ -60,9 +61,11 @@ pub enum Action {
 
 /// Lays out the whole window.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
-    Panel::top("toolbar").frame(style::bar_frame(ui)).show(ui, |ui| toolbar::show(ui, app, actions));
+    Panel::top("toolbar").frame(style::bar_frame()).show(ui, |ui| toolbar::show(ui, app, actions));
     if app.is_gallery {
-        egui::CentralPanel::default_margins().show(ui, |ui| gallery::show(ui, app, actions));
+        egui::CentralPanel::no_frame()
+            .frame(style::gallery_frame())
+            .show(ui, |ui| gallery::show(ui, app, actions));
         banner::show(ui.ctx(), app, actions);
     } else {
         show_scene(ui, app, actions);
@@ -71,8 +74,8 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
 }
 
 fn show_scene(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
-    Panel::bottom("status").frame(style::bar_frame(ui)).show(ui, |ui| status::show(ui, &app.snapshot));
-    let frame = style::side_frame(ui);
+    Panel::bottom("status").frame(style::bar_frame()).show(ui, |ui| status::show(ui, &app.snapshot));
+    let frame = style::side_frame();
     let side = |panel: Panel| panel.frame(frame).resizable(false).exact_size(SIDE_WIDTH);
     if app.panels.parameters {
         side(Panel::left("parameters")).show(ui, |ui| parameters::show(ui, app, actions));

@@ -3,7 +3,7 @@
 use super::{Action, contact, materials, widgets};
 use crate::viewer::app::App;
 use crate::viewer::drop_body::DropKind;
-use egui::{Button, ScrollArea, Ui, vec2};
+use egui::{Button, Ui};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
             });
         });
     }
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    widgets::side_scroll().show(ui, |ui| {
         widgets::section(ui, "Drop into the scene", |ui| drop_buttons(ui, app, actions));
         widgets::section(ui, "Contact", |ui| {
             if contact::show(ui, &mut app.edits.contact, &app.snapshot) {
@@ -37,9 +37,9 @@ fn drop_buttons(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     ui.add_enabled_ui(app.snapshot.run_error.is_none(), |ui| {
         ui.columns_const(|columns: &mut [Ui; 3]| {
             for (ui, kind) in columns.iter_mut().zip(DropKind::ALL) {
-                let button = Button::new(kind.label()).min_size(vec2(ui.available_width(), 30.0));
+                let size = [ui.available_width(), 30.0];
                 let hint = format!("Drop a {} from above the middle", kind.label().to_lowercase());
-                if ui.add(button).on_hover_text(hint).clicked() {
+                if ui.add_sized(size, Button::new(kind.label())).on_hover_text(hint).clicked() {
                     actions.push(Action::Drop(kind));
                 }
             }

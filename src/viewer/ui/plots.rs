@@ -1,5 +1,6 @@
 //! Balances over time.
 
+use super::icons;
 use crate::render::with_unit;
 use crate::viewer::history::{History, Row};
 use egui::{Color32, RichText, Ui};
@@ -83,6 +84,7 @@ fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row
         }
         HoverPosition::Elsewhere { .. } => None,
     };
+    let grid_color = ui.visuals().widgets.noninteractive.bg_stroke.color;
     Plot::new(id)
         .height(HEIGHT)
         .allow_scroll(false)
@@ -91,6 +93,9 @@ fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row
         .allow_boxed_zoom(false)
         .allow_axis_zoom_drag(false)
         .show_crosshair(false)
+        .grid_color(grid_color)
+        .grid_spacing(egui::Rangef::new(28.0, 120.0))
+        .y_axis_min_width(48.0)
         .include_y(0.0)
         .include_x(0.0)
         .x_axis_formatter(|mark, _| tick(mark.value, "s"))
@@ -131,7 +136,7 @@ fn legend(ui: &mut Ui, unit: &str, curves: &[Curve], rows: &[Row]) {
         for (index, curve) in curves.iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
-                ui.label(RichText::new(if curve.is_dashed { "┅" } else { "■" }).small().color(curve.color));
+                icons::swatch(ui, curve.color);
                 let text = format!("{} {}", curve.name, with_unit((curve.value)(&last), unit));
                 ui.label(RichText::new(text).small()).on_hover_text(curve.hint);
             });

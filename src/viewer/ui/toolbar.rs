@@ -1,13 +1,11 @@
 //! The bar at the top: scenes, play, speed, panels.
 
 use super::Action;
+use super::icons::{self, Icon};
 use crate::render::short;
 use crate::viewer::app::App;
 use crate::viewer::pacing::SLOWEST;
-use egui::{Align, Button, Layout, Response, RichText, Slider, Ui, vec2};
-
-/// Size of the buttons with a sign, points.
-const SIGN_SIZE: egui::Vec2 = vec2(32.0, 26.0);
+use egui::{Align, Button, Layout, RichText, Slider, Ui};
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -30,23 +28,26 @@ fn gallery_side(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
 }
 
 fn scene_side(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
-    if sign(ui, "☰ Scenes", "Choose a scene (G)").clicked() {
+    if ui.button("Scenes").on_hover_text("Choose a scene (G)").clicked() {
         actions.push(Action::ShowGallery(true));
     }
     ui.separator();
     let snapshot = &app.snapshot;
     ui.add_enabled_ui(snapshot.scene.is_some(), |ui| {
         ui.add_enabled_ui(snapshot.run_error.is_none(), |ui| {
-            let (text, hint) =
-                if snapshot.is_playing { ("⏸", "Pause (space)") } else { ("▶", "Play (space)") };
-            if sign(ui, text, hint).clicked() {
+            let (icon, hint) = if snapshot.is_playing {
+                (Icon::Pause, "Pause (space)")
+            } else {
+                (Icon::Play, "Play (space)")
+            };
+            if icons::button(ui, icon, hint).clicked() {
                 actions.push(Action::TogglePlay);
             }
-            if sign(ui, "⏭", "One step (.)").clicked() {
+            if icons::button(ui, Icon::Step, "One step (.)").clicked() {
                 actions.push(Action::Step);
             }
         });
-        if sign(ui, "⟲", "Back to the start, with the values on the sliders (R)").clicked() {
+        if icons::button(ui, Icon::Reset, "Back to the start, with the values on the sliders (R)").clicked() {
             actions.push(Action::Reset);
         }
         ui.separator();
@@ -81,11 +82,10 @@ pub fn speed_text(speed: f64) -> String {
 }
 
 fn right_side(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
-    if sign(ui, "?", "Keys and mouse (F1)").clicked() {
+    if ui.button("Help").on_hover_text("Keys and mouse (F1)").clicked() {
         actions.push(Action::ToggleHelp);
     }
-    let (text, hint) = if app.look.is_dark { ("☀", "Light") } else { ("🌙", "Dark") };
-    if sign(ui, text, hint).clicked() {
+    if icons::button(ui, Icon::Contrast, "Light or dark").clicked() {
         actions.push(Action::ToggleDark);
     }
     if app.is_gallery {
@@ -100,10 +100,6 @@ fn right_side(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
             *is_open = !*is_open;
         }
     }
-}
-
-fn sign(ui: &mut Ui, text: &str, hint: &str) -> Response {
-    ui.add(Button::new(text).min_size(SIGN_SIZE)).on_hover_text(hint)
 }
 
 #[cfg(test)]

@@ -22,13 +22,9 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     if response.double_clicked() {
         actions.push(Action::FrameAll);
     }
-    match app.picture.filter(|_| snapshot.scene.is_some()) {
-        Some(picture) => {
-            let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-            ui.painter().image(picture, area, whole, Color32::WHITE);
-        }
-        // The texture is made after this first layout.
-        None => ui.ctx().request_repaint(),
+    if let Some(picture) = app.picture.filter(|_| snapshot.scene.is_some()) {
+        let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+        ui.painter().image(picture, area, whole, Color32::WHITE);
     }
     if snapshot.scene.is_none() {
         banner::waiting(ui, area, "Opening the scene …");

@@ -2,7 +2,7 @@
 
 use super::style;
 use crate::render::{short, with_unit};
-use egui::{CollapsingHeader, Color32, DragValue, Response, RichText, Slider, Ui};
+use egui::{CollapsingHeader, Color32, DragValue, Response, RichText, ScrollArea, Slider, Ui};
 use std::ops::RangeInclusive;
 
 /// A value on a slider.
@@ -92,6 +92,13 @@ pub fn parse_with_unit(text: &str, unit: &str) -> Option<f64> {
         let number = bare.strip_suffix(prefix)?.trim_end().parse::<f64>().ok()?;
         Some(number * factor).filter(|value| value.is_finite())
     })
+}
+
+/// The scrolled inside of a panel at the side; its bar has a margin of its own.
+#[must_use]
+pub fn side_scroll() -> ScrollArea {
+    let bar = egui::Margin { right: 10, ..egui::Margin::ZERO };
+    ScrollArea::vertical().auto_shrink(false).content_margin(bar)
 }
 
 /// A section that can be folded.
