@@ -122,7 +122,7 @@ impl App {
         self.take_news();
         let mut actions = std::mem::take(&mut self.actions);
         ui::style::choose_theme(ui.ctx(), self.look.is_dark);
-        ui::keys::read(ui.ctx(), self.is_gallery, &mut actions);
+        ui::keys::read(ui.ctx(), self.is_gallery, self.panels.help, &mut actions);
         ui::show(ui, self, &mut actions);
         for action in actions.drain(..) {
             self.act(action);

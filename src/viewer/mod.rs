@@ -32,6 +32,7 @@ pub use scene_camera::scene_camera;
 
 use crate::render::GpuError;
 use thiserror::Error;
+use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
 /// What the viewer starts with.
@@ -82,6 +83,20 @@ pub fn run(options: ViewerOptions) -> Result<(), ViewerError> {
     program.failure.map_or(Ok(()), Err)
 }
 
+/// The window system's own words name its source files; these name the display.
+fn why_no_display(error: &EventLoopError) -> String {
+    let named = ["WAYLAND_DISPLAY", "DISPLAY"].into_iter().filter_map(|name| {
+        let value = std::env::var(name).ok().filter(|value| !value.is_empty())?;
+        Some(format!("{name} is `{value}`"))
+    });
+    let named: Vec<String> = named.collect();
+    match (cfg!(target_os = "linux"), named.as_slice()) {
+        (true, []) => "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned(),
+        (true, named) => format!("the display does not answer ({})", named.join(", ")),
+        _ => error.to_string(),
+    }
+}
+
 /// The event loop; where the window system's libraries are missing it panics instead of failing.
 fn new_event_loop() -> Result<EventLoop<window::News>, ViewerError> {
     let hook = std::panic::take_hook();
@@ -89,7 +104,7 @@ fn new_event_loop() -> Result<EventLoop<window::News>, ViewerError> {
     let built = std::panic::catch_unwind(|| EventLoop::with_user_event().build());
     std::panic::set_hook(hook);
     match built {
-        Ok(built) => built.map_err(|error| ViewerError::NoDisplay(error.to_string())),
+        Ok(built) => built.map_err(|error| ViewerError::NoDisplay(why_no_display(&error))),
         Err(payload) => {
             let text = payload.downcast_ref::<String>().cloned();
             let text = text.or_else(|| payload.downcast_ref::<&str>().map(|text| (*text).to_owned()));

@@ -14,7 +14,7 @@ pub fn show(context: &Context, app: &App, actions: &mut Vec<Action>) {
         return;
     }
     let area = app.viewport.filter(|_| !app.is_gallery);
-    let area = area.unwrap_or_else(|| context.content_rect().with_min_y(44.0));
+    let area = area.unwrap_or_else(|| context.content_rect());
     let corner = area.center_top() + vec2(0.0, 12.0);
     Area::new(Id::unique("banner"))
         .order(Order::Foreground)

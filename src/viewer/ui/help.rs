@@ -1,7 +1,7 @@
 //! Keys and mouse.
 
 use super::keys::KEYS;
-use egui::{Align2, Context, Grid, Key, Modifiers, RichText, Ui, Window};
+use egui::{Align2, Context, Grid, RichText, Ui, Window};
 
 const MOUSE: [(&str, &str); 5] = [
     ("Left drag", "turn"),
@@ -16,11 +16,9 @@ pub fn show(context: &Context, is_open: &mut bool) {
     if !*is_open {
         return;
     }
-    if context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
-        *is_open = false;
-    }
     Window::new("Keys and mouse")
         .open(is_open)
+        .title_frame(egui::Frame::new().inner_margin(egui::Margin::symmetric(14, 10)))
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])

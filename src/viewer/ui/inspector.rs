@@ -34,13 +34,20 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     row(ui, "Look from", |ui| {
         ui.horizontal(|ui| {
             let width = ui.available_width() - 62.0;
-            ComboBox::from_id_salt("look from").width(width).selected_text("Choose").show_ui(ui, |ui| {
-                for (index, view) in NamedView::ALL.into_iter().enumerate() {
-                    if ui.selectable_label(false, format!("{}  {}", index + 1, view_label(view))).clicked() {
-                        actions.push(Action::LookFrom(view));
+            ComboBox::from_id_salt("look from")
+                .height(320.0)
+                .width(width)
+                .selected_text("Direction")
+                .show_ui(ui, |ui| {
+                    for (index, view) in NamedView::ALL.into_iter().enumerate() {
+                        if ui
+                            .selectable_label(false, format!("{}  {}", index + 1, view_label(view)))
+                            .clicked()
+                        {
+                            actions.push(Action::LookFrom(view));
+                        }
                     }
-                }
-            });
+                });
             if ui.button("Fit").on_hover_text("Show everything (F)").clicked() {
                 actions.push(Action::FrameAll);
             }

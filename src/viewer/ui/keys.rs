@@ -21,7 +21,7 @@ const DIGITS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Reads the keys of this frame, unless somebody is typing.
-pub fn read(context: &Context, is_gallery: bool, actions: &mut Vec<Action>) {
+pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Vec<Action>) {
     if context.egui_wants_keyboard_input() {
         return;
     }
@@ -31,6 +31,7 @@ pub fn read(context: &Context, is_gallery: bool, actions: &mut Vec<Action>) {
         }
     };
     on(Key::F1, Action::ToggleHelp);
+    on(Key::Escape, if is_help { Action::ToggleHelp } else { Action::DismissNotice });
     on(Key::G, Action::ShowGallery(!is_gallery));
     if is_gallery {
         return;

@@ -10,7 +10,8 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let Some(running) = app.snapshot.scene.clone() else { return };
     let is_waiting = app.edits.wait_for_reset(&running);
     if is_waiting {
-        egui::Panel::bottom("apply").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
+        let frame = egui::Frame::new().inner_margin(egui::Margin { right: 10, ..egui::Margin::ZERO });
+        egui::Panel::bottom("apply").frame(frame).show_separator_line(false).show(ui, |ui| {
             ui.add_space(6.0);
             ui.vertical_centered_justified(|ui| {
                 if widgets::primary_button(ui, "Reset to apply the materials  (R)").clicked() {

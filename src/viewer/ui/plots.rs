@@ -4,7 +4,7 @@ use super::icons;
 use crate::render::with_unit;
 use crate::viewer::history::{History, Row};
 use egui::{Color32, RichText, Ui};
-use egui_plot::{HoverPosition, Line, LineStyle, Plot};
+use egui_plot::{GridMark, HoverPosition, Line, LineStyle, Plot};
 
 const HEIGHT: f32 = 150.0;
 /// More points than the panel has pixels only cost time.
@@ -94,10 +94,15 @@ fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row
         .allow_axis_zoom_drag(false)
         .show_crosshair(false)
         .grid_color(grid_color)
-        .grid_spacing(egui::Rangef::new(28.0, 120.0))
+        .grid_spacing(egui::Rangef::new(10.0, 40.0))
+        .x_grid_spacer(|grid| marks(grid.bounds, 2.4))
+        .y_grid_spacer(|grid| marks(grid.bounds, 3.5))
         .y_axis_min_width(48.0)
+        .set_margin_fraction(egui::vec2(0.1, 0.06))
         .include_y(0.0)
         .include_x(0.0)
+        .include_x(if is_flat(rows, |row| row.time_s) { 1e-3 } else { 0.0 })
+        .include_y(if curves.iter().all(|curve| is_flat(rows, curve.value)) { 1.0 } else { 0.0 })
         .x_axis_formatter(|mark, _| tick(mark.value, "s"))
         .y_axis_formatter(move |mark, _| tick(mark.value, unit))
         .label_formatter(label)
@@ -113,6 +118,24 @@ fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row
                 );
             }
         });
+}
+
+/// Whether there is nothing but zeros, so that the axis needs some other end.
+fn is_flat(rows: &[Row], value: fn(&Row) -> f64) -> bool {
+    rows.iter().all(|row| value(row) == 0.0)
+}
+
+/// Marks at round values, about `count` of them.
+fn marks((low, high): (f64, f64), count: f64) -> Vec<GridMark> {
+    let rough = (high - low) / count;
+    if !(rough.is_finite() && rough > 0.0) {
+        return Vec::new();
+    }
+    let decade = 10f64.powf(rough.log10().floor());
+    let lead = [1.0, 2.0, 5.0, 10.0].into_iter().find(|lead| lead * decade >= 0.999 * rough).unwrap_or(10.0);
+    let step_size = lead * decade;
+    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
+    (first..=last).map(|number| GridMark { value: number as f64 * step_size, step_size }).collect()
 }
 
 fn tick(value: f64, unit: &str) -> String {
@@ -150,6 +173,14 @@ fn legend(ui: &mut Ui, unit: &str, curves: &[Curve], rows: &[Row]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_are_few_and_round() {
+        let values = |bounds| marks(bounds, 3.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
+        assert_eq!(values((0.0, 10.0)), [0.0, 5.0, 10.0]);
+        assert_eq!(values((-2.5, 3.1)), [-2.0, 0.0, 2.0]);
+        assert!(values((1.0, 1.0)).is_empty() && values((0.0, f64::NAN)).is_empty());
+    }
 
     #[test]
     fn thinning_keeps_the_peak() {

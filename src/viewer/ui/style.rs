@@ -61,6 +61,7 @@ fn paint(style: &mut Style, theme: Theme) {
     visuals.widgets.inactive.bg_fill = pick(214, 58);
     visuals.widgets.hovered.weak_bg_fill = pick(222, 58);
     visuals.widgets.hovered.bg_stroke = Stroke::new(1.0, pick(190, 90));
+    visuals.widgets.open.weak_bg_fill = pick(240, 42);
     let radius = CornerRadius::same(6);
     for widget in [
         &mut visuals.widgets.noninteractive,

@@ -78,7 +78,12 @@ fn rounded_speed(speed: f64) -> f64 {
 
 /// `real time`, `1/8`, `1/2000`.
 pub fn speed_text(speed: f64) -> String {
-    if speed > 0.995 { "real time".to_owned() } else { format!("1/{}", short(1.0 / speed)) }
+    let slowness = 1.0 / speed;
+    match slowness {
+        s if s < 1.005 => "real time".to_owned(),
+        s if s < 9.95 => format!("1/{}", short((10.0 * s).round() / 10.0)),
+        s => format!("1/{s:.0}"),
+    }
 }
 
 fn right_side(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
