@@ -24,5 +24,5 @@ cargo clippy --locked --all-targets -- -D warnings
 say "tests"
 cargo test --locked "$@"
 say "documentation"
-RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --document-private-items
+RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
 say "all is well"

@@ -1,29 +1,70 @@
-// Copies the finished picture into a rectangle of the target, pixel by pixel.
+// The finished picture: the bodies over the studio, which is a floor that catches shadows and
+// turns into the background. The studio has no edges, so one sample per pixel is enough for it.
 
-struct Placement {
-    // Upper left corner of the rectangle in the target, pixels.
-    origin: vec2<f32>,
-    unused: vec2<f32>,
+// The bodies, sRGB, times how much of the pixel they cover, which is the fourth channel.
+@group(1) @binding(0) var bodies: texture_2d<f32>;
+@group(1) @binding(1) var floor_light: texture_2d<f32>;
+@group(1) @binding(2) var floor_light_sampler: sampler;
+
+struct VertexOutput {
+    @builtin(position) position: vec4<f32>,
+    // From the eye through the pixel, any length.
+    @location(0) ray: vec3<f32>,
+    // 0 at the bottom of the picture, 1 at the top.
+    @location(1) height: f32,
 }
 
-@group(0) @binding(0) var picture: texture_2d<f32>;
-@group(0) @binding(1) var<uniform> placement: Placement;
-
 @vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+fn vertex(@builtin(vertex_index) index: u32) -> VertexOutput {
     let corner = vec2<f32>(f32((index << 1u) & 2u), f32(index & 2u));
-    return vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0);
+    let ray = frame.ray_corner + frame.ray_right * corner.x + frame.ray_up * corner.y;
+    return VertexOutput(vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0), ray, corner.y);
+}
+
+fn studio(ray: vec3<f32>, height: f32) -> vec3<f32> {
+    let background =
+        mix(frame.background_low, frame.background_high, smoothstep(0.0, 1.0, height));
+    let above = frame.eye.z - frame.floor_height;
+    // From below, the floor does not hide what stands on it.
+    if above <= 0.0 || ray.z >= 0.0 {
+        return background;
+    }
+    let ground = frame.eye.xy - ray.xy * (above / ray.z);
+    let away = distance(ground, frame.floor_center) / frame.floor_radius;
+    if away >= 0.9 {
+        return background;
+    }
+    let lit = mix(frame.floor_color, background, smoothstep(0.12, 0.9, away));
+    let place = (ground - frame.floor_map_low) / frame.floor_map_side;
+    if any(place <= vec2<f32>(0.0)) || any(place >= vec2<f32>(1.0)) {
+        return lit;
+    }
+    // Row 0 of the map is its upper edge, the largest y.
+    let uv = vec2<f32>(place.x, 1.0 - place.y);
+    let light = textureSampleLevel(floor_light, floor_light_sampler, uv, 0.0).rg;
+    let key = 1.0 - (1.0 - light.r) * frame.shadow_strength;
+    let ambient = 1.0 - (1.0 - light.g) * 0.75;
+    return lit * key * ambient;
+}
+
+fn composed(in: VertexOutput) -> vec3<f32> {
+    let pixel = vec2<i32>(in.position.xy - frame.picture_origin);
+    let body = textureLoad(bodies, pixel, 0);
+    if body.a >= 1.0 {
+        return body.rgb;
+    }
+    return body.rgb + (1.0 - body.a) * encoded(studio(in.ray, in.height)).rgb;
 }
 
 @fragment
-fn fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
-    return textureLoad(picture, vec2<i32>(pixel.xy - placement.origin), 0);
+fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+    return vec4<f32>(composed(in), 1.0);
 }
 
 // For targets that encode by themselves.
 @fragment
-fn linear_fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
-    let srgb = textureLoad(picture, vec2<i32>(pixel.xy - placement.origin), 0).rgb;
+fn linear_fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+    let srgb = composed(in);
     let curve = pow((srgb + 0.055) / 1.055, vec3<f32>(2.4));
     return vec4<f32>(select(curve, srgb / 12.92, srgb <= vec3<f32>(0.04045)), 1.0);
 }

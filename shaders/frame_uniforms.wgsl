@@ -43,7 +43,16 @@ struct FrameUniforms {
     floor_map_side: f32,
     // Height above the floor up to which bodies dim the ambient light.
     floor_reach: f32,
-    picture_px: vec2<f32>,
+    // Upper left corner of the picture in its target, pixels.
+    picture_origin: vec2<f32>,
+    // From the eye through the lower left corner of the picture, and from there along its lower
+    // and left edges.
+    ray_corner: vec3<f32>,
+    unused_1: f32,
+    ray_right: vec3<f32>,
+    unused_2: f32,
+    ray_up: vec3<f32>,
+    unused_3: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
@@ -58,10 +67,4 @@ fn encoded(linear: vec3<f32>) -> vec4<f32> {
     let root8 = sqrt(root4);
     let curve = 0.64236468 * root2 + 0.71211170 * root4 - 0.33687049 * root8 - 0.01756283 * x;
     return vec4<f32>(select(curve, 12.92 * x, x <= vec3<f32>(0.0031308)), 1.0);
-}
-
-// The background at a pixel: a vertical gradient.
-fn background_at(pixel: vec2<f32>) -> vec3<f32> {
-    let height = 1.0 - pixel.y / frame.picture_px.y;
-    return mix(frame.background_low, frame.background_high, smoothstep(0.0, 1.0, height));
 }

@@ -46,24 +46,33 @@ fn vertex(in: VertexInput) -> VertexOutput {
     return out;
 }
 
-// The share of the key light that arrives, with a soft edge of a few texels. The point is
-// lifted off its surface, the more the flatter the light falls, so that no surface shadows
-// itself.
+// Half width of the soft edge of shadows, texels of the shadow map.
+const SHADOW_BLUR: f32 = 3.0;
+
+// The share of the key light that arrives. The point is lifted off its surface, the more the
+// flatter the light falls and the wider the filter, so that no surface shadows itself.
 fn key_visibility(world: vec3<f32>, normal: vec3<f32>, facing: f32) -> f32 {
-    let lift = frame.shadow_texel * (1.0 + 2.0 * sqrt(saturate(1.0 - facing * facing)));
+    let slope = sqrt(saturate(1.0 - facing * facing));
+    let lift = frame.shadow_texel * (0.7 + SHADOW_BLUR * slope);
     let projected = frame.shadow_from_world * vec4<f32>(world + normal * lift, 1.0);
     let uv = vec2<f32>(0.5 + 0.5 * projected.x, 0.5 - 0.5 * projected.y);
-    let texel = 1.0 / vec2<f32>(textureDimensions(shadow_map));
-    var open = 0.0;
-    // Four bilinear comparisons, turned against the grid.
-    let taps = array<vec2<f32>, 4>(
-        vec2<f32>(0.6, 1.3), vec2<f32>(1.3, -0.6), vec2<f32>(-0.6, -1.3), vec2<f32>(-1.3, 0.6),
-    );
-    for (var i = 0; i < 4; i++) {
-        open += textureSampleCompareLevel(
-            shadow_map, shadow_sampler, uv + taps[i] * texel, projected.z);
-    }
-    return open * 0.25;
+    let reach = SHADOW_BLUR / vec2<f32>(textureDimensions(shadow_map));
+    // Bilinear comparisons on an inner and an outer ring, turned against the grid.
+    let inner = vec2<f32>(0.36, 0.15);
+    let outer = vec2<f32>(0.36, 0.86);
+    let open = tap(uv, reach * inner, projected.z)
+        + tap(uv, reach * vec2<f32>(-inner.y, inner.x), projected.z)
+        + tap(uv, -reach * inner, projected.z)
+        + tap(uv, reach * vec2<f32>(inner.y, -inner.x), projected.z)
+        + tap(uv, reach * outer, projected.z)
+        + tap(uv, reach * vec2<f32>(-outer.y, outer.x), projected.z)
+        + tap(uv, -reach * outer, projected.z)
+        + tap(uv, reach * vec2<f32>(outer.y, -outer.x), projected.z);
+    return open * 0.125;
+}
+
+fn tap(uv: vec2<f32>, shift: vec2<f32>, depth: f32) -> f32 {
+    return textureSampleCompareLevel(shadow_map, shadow_sampler, uv + shift, depth);
 }
 
 // How much of an element edge covers the pixel.
@@ -86,6 +95,20 @@ fn shoulder(color: vec3<f32>) -> vec3<f32> {
 
 @fragment
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+    return shaded(in);
+}
+
+// Leaves out what is below the floor. Separate, since discarding costs the early depth test.
+@fragment
+fn fragment_above_floor(in: VertexOutput) -> @location(0) vec4<f32> {
+    let color = shaded(in);
+    if in.world.z < frame.floor_height && frame.eye.z > frame.floor_height {
+        discard;
+    }
+    return color;
+}
+
+fn shaded(in: VertexOutput) -> vec4<f32> {
     let normal = normalize(in.normal);
     let to_eye = normalize(frame.eye - in.world);
     let facing = dot(normal, frame.towards_light);
@@ -98,7 +121,7 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
         let mapped = textureSampleLevel(color_map, color_map_sampler, place, 0.0).rgb;
         // Crack faces keep a hint of their tint.
         base = mix(mapped, in.color, 0.3 * in.gloss_and_crack.y);
-        gloss = gloss * 0.3;
+        gloss = gloss * 0.15;
     }
 
     var key = 0.0;
@@ -113,14 +136,14 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let half_way = normalize(to_eye + frame.towards_light);
     let highlight = pow(saturate(dot(normal, half_way)), 48.0) * 0.22 * gloss;
     let grazing = 1.0 - saturate(dot(normal, to_eye));
-    let fresnel = (0.05 + 0.6 * grazing * grazing * grazing * grazing) * gloss;
+    let fresnel = (0.03 + 0.5 * pow(grazing, 5.0)) * gloss;
     let mirrored = reflect(-to_eye, normal);
     let rim = frame.rim_light * (fresnel * smoothstep(-0.25, 0.55, mirrored.z));
 
     var light = frame.key_light * key + ambient;
     if has_value {
         // Flatter light, so that the colours stay near those of the legend.
-        light = mix(light, vec3<f32>(0.88), 0.4);
+        light = mix(0.85 * light, vec3<f32>(0.92), 0.45);
     }
     var color = base * light + frame.key_light * (highlight * key) + rim;
     if frame.wireframe > 0.0 {

@@ -136,6 +136,34 @@ fn bodies_on_others_touch_and_do_not_overlap() {
     assert!((found.depth_m - 1e-4 * 37.3f64.to_radians().cos()).abs() < 1e-7);
 }
 
+/// The example of README: mesh files of others, of steel or of rubber by one override.
+#[test]
+fn the_example_with_mesh_files_builds() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes/tet");
+    if !folder.is_dir() {
+        eprintln!("NOT TESTED: the meshes are absent, {} is no folder", folder.display());
+        return;
+    }
+    let text = include_str!("../assets/scenes/examples/hammer-on-table-mesh.toml");
+    let load = |overrides: &[String]| {
+        Scene::from_text("example", text, &folder, overrides).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let steel = load(&[]);
+    let rubber = load(&["materials.stuff.preset=rubber".to_owned()]);
+    let counts: Vec<usize> = steel.summary.bodies.iter().map(|body| body.elements).collect();
+    assert_eq!(counts, [6, 17_004, 9_683]);
+    assert!(rubber.summary.step_s() > 20.0 * steel.summary.step_s());
+    let added = |scene: &Scene| {
+        let hammer = &scene.summary.bodies[2];
+        hammer.added_mass_kg / hammer.mass_kg
+    };
+    assert!((added(&steel) - 0.01).abs() < 1e-6 && (added(&rubber) - 0.01).abs() < 1e-6);
+    let unscaled = load(&["bodies.hammer.mass_scaling=0".to_owned()]);
+    assert!(unscaled.summary.step_s() < 0.1 * steel.summary.step_s(), "slivers dictate the step");
+    let (low, high) = steel.setup.bodies[1].mesh.bounds_m().unwrap();
+    assert!(low.z.abs() < 1e-12 && (high.z - 0.70).abs() < 0.01, "it stands: {low} {high}");
+}
+
 /// Sides by letters are the shape's own, `top` and `bottom` the world's.
 #[test]
 fn sides_and_regions_choose_the_right_nodes() {
@@ -408,6 +436,7 @@ fn wrong_overrides_name_the_override_and_the_nearest_name() {
         &[
             "bodies.cub.velocity=[1,2,3]",
             "materials.ruber.density=3",
+            "materials.steel.density=3",
             "contact.frict=.5",
             "bodies.9.name=a",
             "bodies.cube.name.x=3",
@@ -418,6 +447,7 @@ fn wrong_overrides_name_the_override_and_the_nearest_name() {
         &[
             "--set bodies.cub.velocity=[1,2,3]: `bodies` has nothing called `cub`; did you mean `cube`?",
             "--set materials.ruber.density=3: there is nothing called `ruber` in `materials`",
+            "--set materials.steel.density=3: no body is of the material `steel`; there is `rubber`, `concrete`",
             "--set contact.frict=.5: unknown key `frict` in `contact`; did you mean `friction`?",
             "--set bodies.9.name=a: `bodies` has no number 9: it has 1, counted from 0",
             "--set bodies.cube.name.x=3: `bodies.cube.name` is the text \"cube\"",
@@ -517,6 +547,24 @@ fn mutated_scenes_never_panic() {
         }
     }
     assert!(refused > 200, "only {refused} refused: the mutations are too tame");
+}
+
+/// Overrides made of words of the scene, in any order and number.
+#[test]
+fn random_overrides_never_panic() {
+    let text = BUILTIN_SCENES[0].text;
+    let words: Vec<String> = tokens_of(text).into_iter().filter(|t| !t.trim().is_empty()).collect();
+    let mut random = SmallRandom(0xbad5eed);
+    for _ in 0..2000 {
+        let path: Vec<&str> =
+            (0..=random.below(3)).map(|_| words[random.below(words.len())].as_str()).collect();
+        let glue = if random.below(10) == 0 { "[" } else { "=" };
+        let value = &words[random.below(words.len())];
+        let text_of_override = format!("{}{glue}{value}", path.join("."));
+        if let Err(error) = build(text, &[&text_of_override]) {
+            assert!(!error.problems().is_empty(), "{text_of_override}");
+        }
+    }
 }
 
 /// Words, numbers, blanks and signs, which together are the text again.

@@ -1,7 +1,7 @@
 //! The command line: one file per subcommand.
 //!
 //! Results go to stdout, everything said along the way to stderr. A subcommand returns a
-//! [`Failure`](failure::Failure) and never exits itself; [`main`] alone turns it into a message
+//! `Failure` and never exits itself; [`main`] alone turns it into a message
 //! and an exit status.
 
 mod args;

@@ -27,7 +27,8 @@ impl OutputKind {
     /// # Errors
     /// [`Failure::BadInput`] for an ending that cannot be written.
     pub fn of(path: &Path) -> Result<Self, Failure> {
-        if path.is_dir() {
+        let ends_as_folder = path.to_string_lossy().ends_with(std::path::is_separator);
+        if ends_as_folder || path.is_dir() {
             return Ok(Self::Folder);
         }
         let Some(extension) = path.extension() else {
@@ -64,7 +65,8 @@ pub struct GifFile {
     path: PathBuf,
     size_px: [u32; 2],
     fps: f64,
-    writer: Option<GifWriter>,
+    // Boxed: with its palette the writer is far larger than the other kinds of output.
+    writer: Option<Box<GifWriter>>,
 }
 
 impl PictureSink {
@@ -100,7 +102,7 @@ impl PictureSink {
         if let Self::Gif(GifFile { path, size_px, fps, writer }) = self {
             let samples = samples()?;
             let samples: Vec<&Picture> = samples.iter().collect();
-            *writer = Some(GifWriter::create(path, *size_px, *fps, &samples)?);
+            *writer = Some(Box::new(GifWriter::create(path, *size_px, *fps, &samples)?));
         }
         Ok(())
     }
@@ -177,7 +179,7 @@ mod tests {
         assert_eq!(kind("a/b.png").unwrap(), OutputKind::Png);
         assert_eq!(kind("b.GIF").unwrap(), OutputKind::Gif);
         assert_eq!(kind("frames").unwrap(), OutputKind::Folder);
-        assert_eq!(kind("new/frames/").unwrap(), OutputKind::Folder);
+        assert_eq!(kind("new/frames.png/").unwrap(), OutputKind::Folder);
         let refused = kind("film.mp4");
         assert!(matches!(refused, Err(Failure::BadInput(text)) if text.contains(".mp4")));
     }

@@ -104,6 +104,9 @@ fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Vec<Frame>, R
         if !matches!(arrival, Ok(Arrival::Reached)) {
             return (frames, arrival);
         }
+        if let Err(failure) = stepping::sound_sample(world) {
+            return (frames, Err(failure));
+        }
         frames.push(world.publish());
     }
     (frames, Ok(Arrival::Reached))

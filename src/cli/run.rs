@@ -50,11 +50,12 @@ pub fn run(args: &RunArgs, common: &CommonArgs, console: &Console) -> Result<(),
     let scene = scene_source::load(&args.scene, &common.overrides, console)?;
     let plan = Plan::new(args, &scene);
     let world = World::new(scene.setup.clone())?;
+    let initial = stepping::sound_sample(&world).map_err(Failure::before_the_run)?;
     // From here on there is something to keep.
     interrupt::listen()?;
     output_folder::prepare_for_run(&args.output, args.force, console)?;
-    let mut recorder = Recorder::create(args, &scene, &plan, world)
-        .map_err(|error| Failure::from(error).before_the_run())?;
+    let mut recorder =
+        Recorder::create(args, &scene, &plan, (world, initial)).map_err(Failure::before_the_run)?;
     let mut progress = console.progress(plan.duration_s);
     let outcome = recorder.record(&plan, &mut progress);
     drop(progress);
@@ -104,8 +105,12 @@ struct Recorder {
 }
 
 impl Recorder {
-    fn create(args: &RunArgs, scene: &Scene, plan: &Plan, world: World) -> Result<Self, ExportError> {
-        let initial = world.sample();
+    fn create(
+        args: &RunArgs,
+        scene: &Scene,
+        plan: &Plan,
+        (world, initial): (World, Sample),
+    ) -> Result<Self, Failure> {
         let summary = Summary::new(describe(args, scene, plan, &world), &initial);
         summary.write(&args.output)?;
         let mut recorder = Self {
@@ -140,7 +145,7 @@ impl Recorder {
         stepping::advance(world, moment_s, |world, step| {
             tally.add(step);
             if plan.has_row_each_step() {
-                history.write(&world.sample())?;
+                history.write(&stepping::sound_sample(world)?)?;
                 *last_row_s = step.time_s;
             }
             progress.at(step.time_s, || describe_step(step, tally.counts.steps));
@@ -149,9 +154,9 @@ impl Recorder {
     }
 
     /// Writes a row for the world as it stands, unless that has been done.
-    fn write_row(&mut self) -> Result<(), ExportError> {
+    fn write_row(&mut self) -> Result<(), Failure> {
         if self.world.time_s() > self.last_row_s {
-            self.history.write(&self.world.sample())?;
+            self.history.write(&stepping::sound_sample(&self.world)?)?;
             self.last_row_s = self.world.time_s();
         }
         Ok(())
@@ -192,7 +197,7 @@ impl Recorder {
         self.tally.counts.vtu_frames = self.frames.as_ref().map_or(0, VtuSeries::frames);
         self.summarize(outcome);
         let summarized = self.summary.write(&args.output);
-        Ok(last_row.and(listed).and(summarized)?)
+        last_row.and(listed.and(summarized).map_err(Failure::from))
     }
 
     fn summarize(&mut self, outcome: &Result<Arrival, Failure>) {

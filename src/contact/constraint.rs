@@ -50,6 +50,8 @@ pub struct Constraint {
     pub size_m: f64,
     /// Coulomb friction coefficient.
     pub friction_coefficient: f64,
+    /// Speed at which the prediction closes the gap, m/s.
+    pub closing_m_s: f64,
     /// Whether a closing impact of this pair may be reversed; not where other pairs have done so.
     pub may_bounce: bool,
     /// Relative normal velocity that must at least hold after the response, m/s (set by the response).
@@ -160,6 +162,7 @@ mod tests {
             place_m: DVec3::ZERO,
             size_m: 1.0,
             friction_coefficient: 0.0,
+            closing_m_s: 0.0,
             may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: impulse,

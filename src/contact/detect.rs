@@ -16,6 +16,10 @@ const NEAR: f64 = 1e-3;
 const NEW_PAIR_DEPTH: f64 = 4e-4;
 /// Penetration that a node already held by the same body may carry when it slides on to the next patch.
 const HELD_PAIR_DEPTH: f64 = 0.05;
+/// Cosine of the angle up to which a patch continues the one that held a node before.
+const SAME_SIDE: f64 = 0.8;
+/// Cosine of the angle up to which two patches at a node are one plane.
+const SAME_PLANE: f64 = 0.9999;
 /// Sine of the angle by which an edge's contact normal may lie outside the fan of its face normals.
 const FAN_TOLERANCE: f64 = 1e-6;
 
@@ -43,11 +47,13 @@ pub struct PairView<'a> {
     pub friction_coefficient: f64,
 }
 
+type HeldNode = (u32, u32, u32);
+
 /// Which pairs pressed in the last step ("as in the last step" in the atomic table).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CollisionList {
-    /// (body of the node, node, body of the patch), sorted.
-    held_nodes: Vec<(u32, u32, u32)>,
+    /// (body of the node, node, body of the patch), sorted, and the normal.
+    held_nodes: Vec<(HeldNode, DVec3)>,
     /// (first body, second body, first edge, second edge), sorted.
     held_edges: Vec<(u32, u32, u32, u32)>,
 }
@@ -60,15 +66,14 @@ impl CollisionList {
         for c in constraints.iter().filter(|c| c.impulse_n_s != DVec3::ZERO) {
             match c.feature {
                 Feature::NodeOnPatch { node, .. } => {
-                    list.held_nodes.push((c.bodies[0], node, c.bodies[1]));
+                    list.held_nodes.push(((c.bodies[0], node, c.bodies[1]), c.normal));
                 }
                 Feature::EdgeOnEdge { first, second } => {
                     list.held_edges.push((c.bodies[0], c.bodies[1], first, second));
                 }
             }
         }
-        list.held_nodes.sort_unstable();
-        list.held_nodes.dedup();
+        list.held_nodes.sort_by_key(|h| h.0);
         list.held_edges.sort_unstable();
         list
     }
@@ -77,7 +82,7 @@ impl CollisionList {
     #[must_use]
     pub fn keep(&self, of: impl Fn(u32) -> bool) -> Self {
         let mut kept = self.clone();
-        kept.held_nodes.retain(|(a, _, b)| of(*a) || of(*b));
+        kept.held_nodes.retain(|((a, _, b), _)| of(*a) || of(*b));
         kept.held_edges.retain(|(a, b, _, _)| of(*a) || of(*b));
         kept
     }
@@ -85,11 +90,17 @@ impl CollisionList {
     /// Adds another list.
     pub fn merge(&mut self, other: Self) {
         self.held_nodes.extend(other.held_nodes);
-        self.held_nodes.sort_unstable();
-        self.held_nodes.dedup();
+        self.held_nodes.sort_by_key(|h| h.0);
         self.held_edges.extend(other.held_edges);
         self.held_edges.sort_unstable();
         self.held_edges.dedup();
+    }
+
+    /// Whether the node was held by the body along about this normal.
+    fn holds(&self, key: HeldNode, normal: DVec3) -> bool {
+        let first = self.held_nodes.partition_point(|h| h.0 < key);
+        let same = self.held_nodes[first..].iter().take_while(|h| h.0 == key);
+        same.into_iter().any(|h| h.1.dot(normal) > SAME_SIDE)
     }
 
     /// Whether no pair pressed.
@@ -105,9 +116,9 @@ pub fn detect(pair: &PairView, step_s: f64, list: &CollisionList, out: &mut Vec<
     let [first, second] = pair.views;
     let node_side = |bodies, views| NodeSide { bodies, views, step_s, list, pair };
     let side = node_side(pair.bodies, [first, second]);
-    out.extend(pair.candidates.node_on_second.iter().filter_map(|c| side.constraint(*c)));
+    side.find(&pair.candidates.node_on_second, out);
     let side = node_side(swapped, [second, first]);
-    out.extend(pair.candidates.node_on_first.iter().filter_map(|c| side.constraint(*c)));
+    side.find(&pair.candidates.node_on_first, out);
     let edges = pair.candidates.edge_pairs.iter();
     out.extend(edges.filter_map(|c| edge_constraint(pair, *c, step_s, list)));
 }
@@ -122,10 +133,59 @@ struct NodeSide<'a> {
 }
 
 impl NodeSide<'_> {
+    /// Appends the constraints of all candidates, at most one per node where the patches are rivals.
+    fn find(&self, candidates: &[(u32, u32)], out: &mut Vec<Constraint>) {
+        let mut found: Vec<Constraint> = candidates.iter().filter_map(|c| self.constraint(*c)).collect();
+        found.sort_by_key(|c| c.feature);
+        for of_node in found.chunk_by(|a, b| a.nodes[0] == b.nodes[0]) {
+            let loses = |c: &&Constraint| of_node.iter().any(|rival| self.beats(rival, c));
+            out.extend(of_node.iter().filter(|c| !loses(c)));
+        }
+    }
+
+    /// Whether of two patches that one node touches only `rival` counts: the same plane seen twice, or two
+    /// faces of a convex edge, of which a node that comes from outside can be behind one only.
+    fn beats(&self, rival: &Constraint, c: &Constraint) -> bool {
+        let (Feature::NodeOnPatch { triangle: a, .. }, Feature::NodeOnPatch { triangle: b, .. }) =
+            (rival.feature, c.feature)
+        else {
+            return false;
+        };
+        if a == b {
+            return false;
+        }
+        let is_one_plane = rival.normal.dot(c.normal) > SAME_PLANE;
+        if !is_one_plane && !self.is_convex_between(a, c) {
+            return false;
+        }
+        let rank = |c: &Constraint, triangle: u32| {
+            let key = (c.bodies[0], c.nodes[0].1, c.bodies[1]);
+            let is_held = self.list.holds(key, c.normal);
+            let inside = c.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min);
+            if is_one_plane {
+                return (is_held, inside, 0.0, std::cmp::Reverse(triangle));
+            }
+            // Of two faces of an edge the one that holds already, is less deep, is closed faster.
+            let depth = (c.gap_m / c.size_m / NEW_PAIR_DEPTH).round();
+            (is_held, depth, c.closing_m_s, std::cmp::Reverse(triangle))
+        };
+        rank(rival, a).partial_cmp(&rank(c, b)) == Some(std::cmp::Ordering::Greater)
+    }
+
+    /// Whether the other patch lies below the plane of `c`'s.
+    fn is_convex_between(&self, other_triangle: u32, c: &Constraint) -> bool {
+        let view = &self.views[1];
+        let corners = view.surface.corners_m(other_triangle, view.positions_m);
+        let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let on_plane = view.positions_m[c.nodes[1].1 as usize];
+        (centre - on_plane).dot(c.normal) < 0.0
+    }
+
     fn constraint(&self, (node, triangle): (u32, u32)) -> Option<Constraint> {
         let [own, other] = &self.views;
         let corners = other.surface.triangles[triangle as usize];
-        let size_m = other.surface.triangle_size_m[triangle as usize];
+        let size_m =
+            other.surface.triangle_size_m[triangle as usize].min(own.surface.node_size_m[node as usize]);
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
         let patch_v = corners.map(|n| other.velocities_m_s[n as usize]);
         let (x, v) = (own.positions_m[node as usize], own.velocities_m_s[node as usize]);
@@ -141,7 +201,7 @@ impl NodeSide<'_> {
         }
         let path = Paths { x, v, patch_m, patch_v, step_s: self.step_s };
         let key = (self.bodies[0], node, self.bodies[1]);
-        let is_held = self.list.held_nodes.binary_search(&key).is_ok();
+        let is_held = self.list.holds(key, geometry.normal);
         self.touches(&geometry, &path, size_m, is_held).then(|| Constraint {
             bodies: self.bodies,
             feature: Feature::NodeOnPatch { node, triangle },
@@ -153,6 +213,7 @@ impl NodeSide<'_> {
             place_m: x,
             size_m,
             friction_coefficient: self.pair.friction_coefficient,
+            closing_m_s: -relative_v.dot(geometry.normal),
             may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
@@ -223,7 +284,7 @@ fn edge_constraint(
     let relative_v = v[0] * w[0] + v[1] * w[1] + u[0] * w[2] + u[1] * w[3];
     let touches = geometry.gap_m >= -depth * size_m
         && geometry.gap_m + step_s * relative_v.dot(n) <= NEAR * size_m
-        && geometry.is_inside(0.0)
+        && geometry.is_inside(-BORDER)
         && fans[1].contains(n)
         && fans[0].contains(-n);
     touches.then(|| Constraint {
@@ -237,6 +298,7 @@ fn edge_constraint(
         place_m: p[0] * w[0] + p[1] * w[1],
         size_m,
         friction_coefficient: pair.friction_coefficient,
+        closing_m_s: -relative_v.dot(n),
         may_bounce: true,
         target_m_s: 0.0,
         impulse_n_s: DVec3::ZERO,

@@ -288,7 +288,7 @@ impl Conjugate {
 }
 
 fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, step_s: f64) -> bool {
-    rows.iter().any(|row| {
+    rows.iter().filter(|row| row.softness_per_kg == 0.0).any(|row| {
         let c = &constraints[row.index];
         let normal_v = table.relative_velocity(row.index, &c.weights).dot(c.normal);
         let allowed_m = PENETRATION_LEFT * c.size_m - c.gap_m.min(0.0);
@@ -451,6 +451,7 @@ mod tests {
             place_m: node,
             size_m: 1.0,
             friction_coefficient: friction,
+            closing_m_s: 0.0,
             may_bounce: true,
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,

@@ -30,6 +30,8 @@ pub struct ContactSurface {
     pub nodes: Vec<u32>,
     /// Local element size of each triangle: square root of twice its area, m.
     pub triangle_size_m: Vec<f64>,
+    /// Local element size at each node of the body: the smallest of the triangles at it, m; infinite inside.
+    pub node_size_m: Vec<f64>,
     /// For each triangle, which of its corners it speaks for when pairs are enumerated by triangles,
     /// so that no node is met twice.
     pub owns_node: Vec<[bool; 3]>,
@@ -42,7 +44,7 @@ impl ContactSurface {
     #[must_use]
     pub fn new(boundary: &Surface, reference_m: &[DVec3]) -> Self {
         let triangles = boundary.triangles.clone();
-        let triangle_size_m = triangles
+        let triangle_size_m: Vec<f64> = triangles
             .iter()
             .map(|t| {
                 let [a, b, c] = t.map(|n| reference_m[n as usize]);
@@ -59,6 +61,13 @@ impl ContactSurface {
             })
             .collect();
         let nodes = boundary.nodes.clone();
+        let mut node_size_m = vec![f64::INFINITY; reference_m.len()];
+        for (triangle, size_m) in triangles.iter().zip(&triangle_size_m) {
+            for node in triangle {
+                let smallest = &mut node_size_m[*node as usize];
+                *smallest = smallest.min(*size_m);
+            }
+        }
         let owns_node = first_owner_of_nodes(&triangles, reference_m.len());
         let mut owned_edges = vec![[None; 3]; triangles.len()];
         for (index, edge) in edges.iter().enumerate() {
@@ -66,7 +75,7 @@ impl ContactSurface {
             let free = slots.iter().position(Option::is_none).unwrap_or(2);
             slots[free] = Some(index as u32);
         }
-        Self { triangles, edges, nodes, triangle_size_m, owns_node, owned_edges }
+        Self { triangles, edges, nodes, triangle_size_m, node_size_m, owns_node, owned_edges }
     }
 
     /// Corner positions of a triangle, m.

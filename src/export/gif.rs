@@ -11,8 +11,7 @@ use std::fs::File;
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Colours of a palette; one more index means "as before".
-const COLORS: usize = 255;
+/// The index that means "as before"; palettes leave it free.
 const TRANSPARENT: u8 = 255;
 /// Last byte of every GIF file.
 const TRAILER: u8 = 0x3b;
@@ -20,7 +19,7 @@ const TRAILER: u8 = 0x3b;
 const MAX_FPS: f64 = 50.0;
 /// A new palette is learned when the changed pixels of a picture miss the present one by more
 /// than this on average (weighted channel steps).
-const RELEARN_ABOVE: f32 = 2.0;
+const RELEARN_ABOVE: f32 = 1.0;
 /// Channel steps by which a pixel may differ from what is shown and still count as unchanged.
 const UNCHANGED_WITHIN: u8 = 1;
 
@@ -29,6 +28,8 @@ pub struct GifWriter {
     path: PathBuf,
     file: File,
     encoder: gif::Encoder<Vec<u8>>,
+    /// Length of the file up to the last complete picture, without the end mark.
+    complete_bytes: u64,
     size: [usize; 2],
     fps: f64,
     pictures: u64,
@@ -61,7 +62,7 @@ impl GifWriter {
         let [Ok(width), Ok(height)] = size_px.map(u16::try_from) else {
             return Err(failed("a GIF has at most 65535 pixels on a side".into()));
         };
-        let palette = Palette::learn(samples.iter().flat_map(|p| colors(p)), COLORS);
+        let palette = Palette::learn(samples.iter().flat_map(|p| colors(p)));
         let encoder = gif::Encoder::new(Vec::new(), width, height, &palette.bytes())
             .and_then(|mut encoder| {
                 encoder.set_repeat(gif::Repeat::Infinite)?;
@@ -73,6 +74,7 @@ impl GifWriter {
             path: path.to_owned(),
             file,
             encoder,
+            complete_bytes: 0,
             size: size_px.map(|px| px as usize),
             fps,
             pictures: 0,
@@ -129,13 +131,20 @@ impl GifWriter {
     }
 
     /// Writes what the encoder has made, with the end mark behind it, and steps back in front of
-    /// the mark.
+    /// the mark. If the disk takes only a part, the file ends after the picture before.
     fn flush(&mut self) -> io::Result<()> {
-        let bytes = self.encoder.get_mut();
+        let mut bytes = std::mem::take(self.encoder.get_mut());
         bytes.push(TRAILER);
-        self.file.write_all(bytes)?;
-        bytes.clear();
-        self.file.seek(SeekFrom::Current(-1))?;
+        let written = self.file.write_all(&bytes);
+        if written.is_err() && self.complete_bytes > 0 {
+            // What is wrong with the disk has been found; closing the file is all that is left.
+            let _ = self.file.set_len(self.complete_bytes);
+            let _ = self.file.seek(SeekFrom::Start(self.complete_bytes));
+            let _ = self.file.write_all(&[TRAILER]);
+        }
+        written?;
+        self.complete_bytes += bytes.len() as u64 - 1;
+        self.file.seek(SeekFrom::Start(self.complete_bytes))?;
         Ok(())
     }
 
@@ -181,7 +190,7 @@ impl GifWriter {
         }
         let sum: f32 = needed.iter().map(|color| self.palette.error(*color)).sum();
         if sum > RELEARN_ABOVE * needed.len() as f32 {
-            self.palette = Palette::learn(needed.into_iter(), COLORS);
+            self.palette.relearn(needed.into_iter());
             self.has_own_palette = true;
         }
         self.has_own_palette

@@ -12,16 +12,34 @@ const CHANNEL_WEIGHT: [f32; 3] = [0.55, 0.80, 0.45];
 /// Colours nearer than this to their match (weighted channel steps) are not mixed from two: the
 /// eye does not see the difference, and even areas stay small in the file.
 const DITHER_ABOVE: f32 = 1.3;
+/// Matches remembered at most: some tens of megabytes, also in the longest animation.
+const MOST_REMEMBERED: usize = 1 << 20;
+/// Colours farther apart than this are not mixed: one would see the pattern.
+const WIDEST_MIX: f32 = 28.0;
 /// Thresholds in an order that spreads each level evenly over 4x4 pixels, in sixteenths.
 const BAYER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 
 type Rgb = [u8; 3];
 
+/// Colours that stay the same for a whole animation.
+const BASE_COLORS: usize = 144;
+/// Colours that come and go.
+const EXTRA_COLORS: usize = 255 - BASE_COLORS;
+/// A colour at most this far from one of the base (weighted channel steps) is always shown by
+/// the base: a still background then looks the same before and after something passed in front
+/// of it, whatever the extra colours are by then.
+const BASE_SERVES_WITHIN: f32 = 3.0;
+
 /// At most 255 colours and a memory of what matches them.
 #[derive(Clone, Debug)]
 pub(super) struct Palette {
+    /// Base colours, then extra ones.
     colors: Vec<Rgb>,
-    matches: HashMap<Rgb, Match>,
+    base_count: usize,
+    /// Matches by the base, which hold for ever; `None` where it does not serve.
+    base_matches: HashMap<Rgb, Option<Match>>,
+    /// Matches by all colours, which hold until the extra ones change.
+    other_matches: HashMap<Rgb, Match>,
 }
 
 /// How to show one colour: mostly `main`, and `other` on `share` of the pixels.
@@ -36,17 +54,31 @@ struct Match {
 }
 
 impl Palette {
-    /// Learns at most `count` colours from pixels.
-    pub fn learn(pixels: impl Iterator<Item = Rgb>, count: usize) -> Self {
+    /// Learns base and extra colours from pixels.
+    pub fn learn(pixels: impl Iterator<Item = Rgb>) -> Self {
         let points = weighted(pixels);
-        let mut colors = split(points.clone(), count.clamp(1, 255));
-        for _ in 0..ROUNDS {
-            settle(&points, &mut colors);
-        }
-        let mut colors: Vec<Rgb> = colors.into_iter().map(|c| c.map(|v| v.round() as u8)).collect();
-        colors.sort_unstable();
-        colors.dedup();
-        Self { colors, matches: HashMap::new() }
+        let base = learn_colors(&points, BASE_COLORS);
+        let mut palette = Self {
+            base_count: base.len(),
+            colors: base,
+            base_matches: HashMap::new(),
+            other_matches: HashMap::new(),
+        };
+        palette.learn_extra(&points);
+        palette
+    }
+
+    /// Replaces the extra colours by some that suit these pixels.
+    pub fn relearn(&mut self, pixels: impl Iterator<Item = Rgb>) {
+        self.learn_extra(&weighted(pixels));
+    }
+
+    fn learn_extra(&mut self, points: &[Point]) {
+        self.colors.truncate(self.base_count);
+        let is_missed = |p: &&Point| nearest(&self.colors, p.color).1 > BASE_SERVES_WITHIN;
+        let missed: Vec<Point> = points.iter().filter(is_missed).copied().collect();
+        self.colors.extend(learn_colors(&missed, EXTRA_COLORS));
+        self.other_matches.clear();
     }
 
     /// Red, green, blue of each colour, one after the other.
@@ -67,25 +99,55 @@ impl Palette {
     }
 
     fn matched(&mut self, color: Rgb) -> Match {
-        let colors = &self.colors;
-        *self.matches.entry(color).or_insert_with(|| find_match(colors, color))
+        if self.base_matches.len() > MOST_REMEMBERED {
+            self.base_matches.clear();
+        }
+        let base = &self.colors[..self.base_count];
+        let by_base = self.base_matches.entry(color).or_insert_with(|| {
+            let found = find_match(base, color);
+            (found.error <= BASE_SERVES_WITHIN).then_some(found)
+        });
+        by_base.unwrap_or_else(|| {
+            let other = self.other_matches.entry(color);
+            *other.or_insert_with(|| find_match(&self.colors, color))
+        })
     }
+}
+
+/// At most `count` colours that stand for the points.
+fn learn_colors(points: &[Point], count: usize) -> Vec<Rgb> {
+    let mut colors = split(points.to_vec(), count);
+    for _ in 0..ROUNDS {
+        settle(points, &mut colors);
+    }
+    let mut colors: Vec<Rgb> = colors.into_iter().map(|c| c.map(|v| v.round() as u8)).collect();
+    colors.sort_unstable();
+    colors.dedup();
+    colors
 }
 
 fn find_match(colors: &[Rgb], color: Rgb) -> Match {
     let wanted = color.map(f32::from);
     let (main, error) = nearest(colors, wanted);
     let only_main = Match { main: main as u8, other: main as u8, share: 0, error };
+    // An empty palette matches nothing.
     let Some(shown) = colors.get(main).map(|c| c.map(f32::from)) else {
         return only_main;
     };
     if error < DITHER_ABOVE {
         return only_main;
     }
-    // The partner lies on the other side; mixed with it, the mean comes near the wanted colour.
-    let beyond = std::array::from_fn(|i| 2.0 * wanted[i] - shown[i]);
-    let (other, _) = nearest(colors, beyond);
+    // The partner lies on the other side, perhaps a good way off; mixed with it, the mean comes
+    // near the wanted colour.
+    let beyond = |steps: f32| std::array::from_fn(|i| wanted[i] + steps * (wanted[i] - shown[i]));
+    let partners = [1.0, 2.0, 4.0].map(|steps| nearest(colors, beyond(steps)).0);
+    let Some(other) = partners.into_iter().find(|other| *other != main) else {
+        return only_main;
+    };
     let partner = colors[other].map(f32::from);
+    if distance_squared(partner, shown) > WIDEST_MIX * WIDEST_MIX {
+        return only_main;
+    }
     let along: f32 = (0..3).map(|i| (wanted[i] - shown[i]) * (partner[i] - shown[i])).sum();
     let length: f32 = (0..3).map(|i| (partner[i] - shown[i]).powi(2)).sum();
     let share = if length > 0.0 { along / length } else { 0.0 };
@@ -135,6 +197,9 @@ fn coarse(color: Rgb) -> Rgb {
 
 /// Splits the points again and again where the spread is largest; the means are the colours.
 fn split(points: Vec<Point>, count: usize) -> Vec<[f32; 3]> {
+    if points.is_empty() {
+        return Vec::new();
+    }
     let mut groups = vec![Group::new(points)];
     while groups.len() < count {
         let worst = (0..groups.len()).max_by(|a, b| groups[*a].spread.total_cmp(&groups[*b].spread));
@@ -209,8 +274,8 @@ mod tests {
     #[test]
     fn few_colors_are_kept_exactly() {
         let colors = [[0, 0, 0], [255, 255, 255], [200, 30, 40]];
-        let mut palette = Palette::learn(colors.into_iter().cycle().take(300), 255);
-        assert_eq!(palette.colors.len(), 3);
+        let mut palette = Palette::learn(colors.into_iter().cycle().take(300));
+        assert_eq!(palette.base_count, 3);
         for color in colors {
             assert_eq!(palette.error(color), 0.0);
         }
@@ -220,14 +285,14 @@ mod tests {
     fn small_body_before_a_large_gradient_keeps_its_color() {
         let gradient = (0..100_000).map(|i| [(150 + i % 100) as u8; 3]);
         let body = std::iter::repeat_n([220, 40, 30], 20);
-        let mut palette = Palette::learn(gradient.chain(body), 32);
+        let mut palette = Palette::learn(gradient.chain(body));
         assert!(palette.error([220, 40, 30]) < 2.0);
     }
 
     #[test]
     fn mixing_brings_the_mean_near_the_wanted_color() {
         let ends = [[100, 100, 100], [116, 116, 116]];
-        let mut palette = Palette::learn(ends.into_iter(), 2);
+        let mut palette = Palette::learn(ends.into_iter());
         for wanted in [104u8, 108, 112] {
             let cells = (0..16).map(|i| palette.index([wanted; 3], [i % 4, i / 4]));
             let mean = cells.map(|i| f32::from(ends[i as usize][0])).sum::<f32>() / 16.0;
@@ -236,8 +301,21 @@ mod tests {
     }
 
     #[test]
+    fn still_background_looks_the_same_after_colors_are_relearned() {
+        let background: Vec<Rgb> = (0..3000).map(|i| [(100 + i % 120) as u8; 3]).collect();
+        let mut palette = Palette::learn(background.iter().copied());
+        let before = palette.bytes();
+        let shown: Vec<u8> = background.iter().map(|c| palette.index(*c, [1, 2])).collect();
+        palette.relearn((0..=255).map(|i| [i, 40, 255 - i]));
+        assert_ne!(palette.bytes(), before);
+        let again: Vec<u8> = background.iter().map(|c| palette.index(*c, [1, 2])).collect();
+        assert_eq!(shown, again);
+        assert!(palette.error([128, 40, 127]) < 2.0);
+    }
+
+    #[test]
     fn nothing_to_learn_from_gives_no_colors_and_no_panic() {
-        let mut palette = Palette::learn(std::iter::empty(), 255);
+        let mut palette = Palette::learn(std::iter::empty());
         assert_eq!(palette.index([1, 2, 3], [0, 0]), 0);
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 /// Batches whose corners are fetched together before any is computed: a register filled from
 /// numbers stored a moment ago has to wait for them.
-const BLOCK_BATCHES: usize = 8;
+const BLOCK_BATCHES: usize = 4;
 /// Chunks from which work is shared among threads: below, waking them costs more than it saves.
 const PARALLEL_CHUNKS: usize = 8;
 /// Nodes that one task sums.
@@ -33,7 +33,7 @@ pub enum ElementKinematics {
 pub struct ElasticState {
     /// Strain energy, J; not finite as soon as any node position is not.
     pub strain_energy_j: f64,
-    /// Largest `sqrt(E : E)` over the elements, for [`super::green_step_factor`].
+    /// Largest `sqrt(E : E)` over the elements, for [`ElementBatches::green_step_factor`].
     pub max_strain: f64,
 }
 
@@ -110,23 +110,28 @@ impl ElementBatches {
     }
 }
 
+/// Positions of a chunk's nodes by axis, m: eight of one axis are fetched by one instruction.
+type ChunkPositions = [[f64; CHUNK_NODES]; 3];
+/// Forces on a chunk's nodes, N.
+type ChunkForceSums = [[f64; 3]; CHUNK_NODES];
+
 impl Batch {
     /// Copies corner positions, m, into rows.
     #[inline(always)]
-    fn fetch(&self, positions: &[[f64; 3]; CHUNK_NODES], rows: &mut CornerRows) {
+    fn fetch(&self, positions: &ChunkPositions, rows: &mut CornerRows) {
         for corner in 0..4 {
             for lane in 0..BATCH {
-                let x = &positions[self.corners[corner][lane] as usize % CHUNK_NODES];
-                rows[3 * corner].0[lane] = x[0];
-                rows[3 * corner + 1].0[lane] = x[1];
-                rows[3 * corner + 2].0[lane] = x[2];
+                let local = self.corners[corner][lane] as usize % CHUNK_NODES;
+                rows[3 * corner].0[lane] = positions[0][local];
+                rows[3 * corner + 1].0[lane] = positions[1][local];
+                rows[3 * corner + 2].0[lane] = positions[2][local];
             }
         }
     }
 
     /// Adds corner forces, N, from rows.
     #[inline(always)]
-    fn add_up(&self, rows: &CornerRows, forces: &mut [[f64; 3]; CHUNK_NODES]) {
+    fn add_up(&self, rows: &CornerRows, forces: &mut ChunkForceSums) {
         for lane in 0..BATCH {
             for corner in 0..4 {
                 let f = &mut forces[self.corners[corner][lane] as usize % CHUNK_NODES];
@@ -153,34 +158,30 @@ impl WithSimd for ChunkForces<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> (f64, f64) {
         let nodes = &self.chunk.layout.nodes;
-        let mut positions = [[0.0; 3]; CHUNK_NODES];
+        let mut positions = [[0.0; CHUNK_NODES]; 3];
         let mut forces = [[0.0; 3]; CHUNK_NODES];
-        let totals = match self.kinematics {
-            ElementKinematics::Green => {
-                for (local, &node) in positions.iter_mut().zip(nodes) {
-                    *local = self.positions_m[node as usize].to_array();
-                }
-                let totals = run_batches::<S, true>(simd, self.chunk, &positions, &mut forces);
-                for (slot, force) in self.slots.iter_mut().zip(&forces) {
-                    *slot = DVec3::from_array(*force);
-                }
-                totals
-            }
+        // Turned positions are seen from the first node, so that turning costs no digits far from
+        // the origin.
+        let (origin_m, body_from_world) = match self.kinematics {
+            ElementKinematics::Green => (DVec3::ZERO, DMat3::IDENTITY),
             ElementKinematics::BodyFrame { rotation } => {
-                // Seen from the first node, so that turning costs no digits far from the origin.
-                let origin_m = self.positions_m[nodes[0] as usize];
-                let body_from_world = rotation.transpose();
-                for (local, &node) in positions.iter_mut().zip(nodes) {
-                    let x = self.positions_m[node as usize] - origin_m;
-                    *local = (body_from_world * x).to_array();
-                }
-                let totals = run_batches::<S, false>(simd, self.chunk, &positions, &mut forces);
-                for (slot, force) in self.slots.iter_mut().zip(&forces) {
-                    *slot = rotation * DVec3::from_array(*force);
-                }
-                totals
+                (self.positions_m[nodes[0] as usize], rotation.transpose())
             }
         };
+        for (local, &node) in (0..CHUNK_NODES).zip(nodes) {
+            let x = body_from_world * (self.positions_m[node as usize] - origin_m);
+            (positions[0][local], positions[1][local], positions[2][local]) = x.into();
+        }
+        let totals = match self.kinematics {
+            ElementKinematics::Green => run_batches::<S, true>(simd, self.chunk, &positions, &mut forces),
+            ElementKinematics::BodyFrame { .. } => {
+                run_batches::<S, false>(simd, self.chunk, &positions, &mut forces)
+            }
+        };
+        let world_from_body = body_from_world.transpose();
+        for (slot, force) in self.slots.iter_mut().zip(&forces) {
+            *slot = world_from_body * DVec3::from_array(*force);
+        }
         (
             totals.energy_j.0.iter().fold(0.0, |sum, x| sum + x),
             totals.strain_squared.0.iter().fold(0.0, |most, &x| f64::max(most, x)),
@@ -192,8 +193,8 @@ impl WithSimd for ChunkForces<'_> {
 fn run_batches<S: Simd, const GREEN: bool>(
     simd: S,
     chunk: &Chunk,
-    positions: &[[f64; 3]; CHUNK_NODES],
-    forces: &mut [[f64; 3]; CHUNK_NODES],
+    positions: &ChunkPositions,
+    forces: &mut ChunkForceSums,
 ) -> LaneTotals {
     let mut totals = LaneTotals::ZERO;
     let mut block_rows = [[Row::ZERO; 12]; BLOCK_BATCHES];

@@ -35,6 +35,19 @@ pub struct MassScaling {
     pub step_s: f64,
 }
 
+/// Node masses after mass scaling, and what that gained.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScaledNodeMasses {
+    /// Mass of each node, kg, none lighter than before.
+    pub node_masses_kg: Vec<f64>,
+    /// Mass added in all, kg.
+    pub added_mass_kg: f64,
+    /// How many elements gave reason to add mass.
+    pub heavier_elements: usize,
+    /// Stable step with the new masses, s.
+    pub step_s: f64,
+}
+
 /// Makes the worst elements heavier so that the smallest element step becomes as long as it can with at most
 /// `max_share` (not negative) of the total mass added.
 ///

@@ -21,7 +21,7 @@ mod tests;
 
 pub use elements::{ElementBatches, FemError};
 pub use forces::{ElasticState, ElementKinematics, ForceScratch};
-pub use mass::{MassScaling, scale_masses};
+pub use mass::{MassScaling, ScaledNodeMasses, scale_masses};
 pub use material::{ElasticConstants, MaterialError};
 pub use stable_step::damped_step_s;
 pub use stress::NotFinitePlace;

@@ -57,20 +57,14 @@ pub fn best_fit_rotation(matrix: &DMat3, warm_start: DQuat) -> DQuat {
 
 /// Horn's matrix in the order (x, y, z, w): `q^T N q = R(q) : A`.
 fn horn_matrix(a: &DMat3) -> [[f64; 4]; 4] {
-    let at = |row: usize, column: usize| a.col(column)[row];
-    let trace = at(0, 0) + at(1, 1) + at(2, 2);
-    let mut n = [[0.0; 4]; 4];
-    for i in 0..3 {
-        for j in 0..3 {
-            n[i][j] = at(i, j) + at(j, i);
-        }
-        n[i][i] -= trace;
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        n[i][3] = at(k, j) - at(j, k);
-        n[3][i] = n[i][3];
-    }
-    n[3][3] = trace;
-    n
+    let trace = a.x_axis.x + a.y_axis.y + a.z_axis.z;
+    let symmetric = *a + a.transpose() - DMat3::from_diagonal(DVec3::splat(trace));
+    let axial = DVec3::new(a.y_axis.z - a.z_axis.y, a.z_axis.x - a.x_axis.z, a.x_axis.y - a.y_axis.x);
+    let row = |r: usize| {
+        let [x, y, z] = symmetric.col(r).to_array();
+        [x, y, z, axial[r]]
+    };
+    [row(0), row(1), row(2), axial.extend(trace).to_array()]
 }
 
 /// Eigenvalues and eigenvectors of a symmetric 4x4 matrix by cyclic Jacobi, unsorted.

@@ -131,8 +131,8 @@ mod tests {
         assert!(eigen.values.x >= eigen.values.y && eigen.values.y >= eigen.values.z);
         assert!(largest_entry(&(eigen.matrix() - *matrix)) <= 4e-15 * scale, "{matrix:?}");
         let gram = eigen.directions.transpose() * eigen.directions;
-        assert!(largest_entry(&(gram - DMat3::IDENTITY)) < 1e-15);
-        assert!((eigen.directions.determinant() - 1.0).abs() < 1e-15);
+        assert!(largest_entry(&(gram - DMat3::IDENTITY)) < 3e-15);
+        assert!((eigen.directions.determinant() - 1.0).abs() < 3e-15);
     }
 
     proptest! {

@@ -1,5 +1,6 @@
 //! Tetrahedral meshes: data, adjacency, surface, built-in shapes, import from files.
 
+pub mod import;
 mod quality;
 pub mod shapes;
 mod surface;

@@ -161,7 +161,7 @@ impl fmt::Display for MeshReport {
             writeln!(f, "bounding box        {} .. {} m", point(low), point(high))?;
             writeln!(f, "size                {} m", point(size))?;
         }
-        writeln!(f, "volume              {:.6e} m3", self.volume_m3)?;
+        writeln!(f, "volume              {} m3", short(self.volume_m3))?;
         self.write_parts(f)?;
         self.write_surface(f)?;
         self.write_elements(f)
@@ -219,14 +219,21 @@ fn point(x: DVec3) -> String {
     format!("({} {} {})", short(x.x), short(x.y), short(x.z))
 }
 
-/// Five significant digits without an exponent where that reads well.
+/// Six significant digits, without an exponent where that reads well.
 fn short(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
-        let text = format!("{value:.5}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        format!("{value:.4e}")
+    if value == 0.0 {
+        return "0".to_owned();
     }
+    if !(1e-3..1e6).contains(&value.abs()) {
+        return format!("{value:.5e}");
+    }
+    let decimals = match value.abs() {
+        size if size < 1.0 => 6,
+        size if size < 100.0 => 5,
+        _ => 2,
+    };
+    let text = format!("{value:.decimals$}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]
@@ -265,5 +272,11 @@ mod tests {
         let text = report.to_string();
         assert!(text.contains("inverted or flat    1"), "{text}");
         assert!(text.contains("all (2)"), "{text}");
+    }
+
+    #[test]
+    fn numbers_read_well() {
+        let texts = [0.0, 4.123_536, -0.5, 1000.0, 1.2246e-4, 3.829_67e7].map(short);
+        assert_eq!(texts, ["0", "4.12354", "-0.5", "1000", "1.22460e-4", "3.82967e7"]);
     }
 }

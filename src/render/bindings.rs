@@ -97,7 +97,6 @@ pub(crate) struct PipelineParts<'a> {
     /// Entry point and format of the colour target; `None` draws depth only.
     pub fragment: Option<(&'a str, wgpu::TextureFormat)>,
     pub depth: Option<wgpu::DepthStencilState>,
-    pub topology: wgpu::PrimitiveTopology,
     pub cull: Option<wgpu::Face>,
     pub samples: u32,
 }
@@ -118,7 +117,6 @@ impl<'a> PipelineParts<'a> {
             vertex_buffer: None,
             fragment: Some(("fragment", format)),
             depth: None,
-            topology: wgpu::PrimitiveTopology::TriangleList,
             cull: None,
             samples: 1,
         }
@@ -142,11 +140,7 @@ impl<'a> PipelineParts<'a> {
                 compilation_options: Default::default(),
                 buffers: &[self.vertex_buffer],
             },
-            primitive: wgpu::PrimitiveState {
-                topology: self.topology,
-                cull_mode: self.cull,
-                ..Default::default()
-            },
+            primitive: wgpu::PrimitiveState { cull_mode: self.cull, ..Default::default() },
             depth_stencil: self.depth,
             multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
             fragment: self.fragment.map(|(entry, _)| wgpu::FragmentState {

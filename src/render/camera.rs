@@ -198,6 +198,15 @@ impl Camera {
         perspective_infinite_reverse(self.fov_y_rad, aspect.max(1e-3), near_m) * self.camera_from_world()
     }
 
+    /// From the eye through the lower left corner of the picture at unit depth, and from there
+    /// along its lower and left edges.
+    pub(crate) fn picture_rays(&self, aspect: f32) -> [Vec3; 3] {
+        let [right, up, back] = self.axes();
+        let slope_y = (0.5 * self.fov_y_rad).tan();
+        let (right, up) = (right * slope_y * aspect, up * slope_y);
+        [-back - right - up, 2.0 * right, 2.0 * up]
+    }
+
     /// The ray through a point of the picture: `position` from (0, 0), the upper left corner,
     /// to (1, 1).
     #[must_use]

@@ -1,7 +1,8 @@
-//! From the scene's own textures to a rectangle of the target.
+//! The finished picture: bodies over floor and background, in a rectangle of the target.
 
 use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts, SAMPLES, SCENE_FORMAT};
-use wgpu::{BindingResource, TextureFormat, TextureUsages};
+use crate::render::frame_uniforms::{FrameBinding, with_prelude};
+use wgpu::{BindingResource, BindingType, TextureFormat, TextureUsages};
 
 pub(crate) const WGSL: &str = include_str!("../../shaders/compose_pass.wgsl");
 
@@ -9,7 +10,8 @@ pub(crate) const WGSL: &str = include_str!("../../shaders/compose_pass.wgsl");
 pub(crate) struct ComposePass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
-    placement: wgpu::Buffer,
+    floor_light: wgpu::TextureView,
+    sampler: wgpu::Sampler,
 }
 
 /// The textures of one picture size.
@@ -25,11 +27,20 @@ pub(crate) struct SceneTextures {
 }
 
 impl ComposePass {
-    pub fn new(device: &wgpu::Device, target_format: TextureFormat) -> Self {
-        let types = [bindings::texture(), bindings::uniform()];
+    pub fn new(
+        device: &wgpu::Device,
+        frame: &FrameBinding,
+        floor_light: &wgpu::TextureView,
+        target_format: TextureFormat,
+    ) -> Self {
+        let types = [
+            bindings::texture(),
+            bindings::texture(),
+            BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        ];
         let layout = bindings::layout(device, "compose pass", &types);
-        let shader = bindings::shader(device, "compose pass", WGSL);
-        let layouts = [&layout];
+        let shader = bindings::shader(device, "compose pass", &with_prelude(WGSL));
+        let layouts = [&frame.layout, &layout];
         let entry = if target_format.is_srgb() { "linear_fragment" } else { "fragment" };
         let parts = PipelineParts {
             fragment: Some((entry, target_format)),
@@ -37,14 +48,15 @@ impl ComposePass {
         };
         Self {
             pipeline: parts.build(device),
-            placement: bindings::uniform_buffer::<[f32; 4]>(device, "placement"),
             layout,
+            floor_light: floor_light.clone(),
+            sampler: bindings::linear_sampler(device),
         }
     }
 
     pub fn new_textures(&self, device: &wgpu::Device, size_px: [u32; 2]) -> SceneTextures {
         let texture = |label, format, sample_count, usage| {
-            device.create_texture(&wgpu::TextureDescriptor {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
                 mip_level_count: 1,
@@ -53,32 +65,29 @@ impl ComposePass {
                 format,
                 usage: usage | TextureUsages::RENDER_ATTACHMENT,
                 view_formats: &[],
-            })
+            });
+            bindings::whole(&texture)
         };
         let none = TextureUsages::empty();
-        let color = texture("scene colour", SCENE_FORMAT, SAMPLES, none);
-        let depth = texture("scene depth", DEPTH_FORMAT, SAMPLES, none);
-        let resolved = texture("scene", SCENE_FORMAT, 1, TextureUsages::TEXTURE_BINDING);
-        let resolved = bindings::whole(&resolved);
-        let resources = [BindingResource::TextureView(&resolved), self.placement.as_entire_binding()];
+        let resolved = texture("bodies", SCENE_FORMAT, 1, TextureUsages::TEXTURE_BINDING);
+        let resources = [
+            BindingResource::TextureView(&resolved),
+            BindingResource::TextureView(&self.floor_light),
+            BindingResource::Sampler(&self.sampler),
+        ];
         SceneTextures {
             size_px,
-            color: bindings::whole(&color),
-            depth: bindings::whole(&depth),
+            color: texture("body samples", SCENE_FORMAT, SAMPLES, none),
+            depth: texture("body depth", DEPTH_FORMAT, SAMPLES, none),
             group: bindings::group(device, &self.layout, &resources),
             resolved,
         }
     }
 
-    /// Tells where the picture's upper left corner lies in the target, pixels.
-    pub fn place(&self, queue: &wgpu::Queue, [x, y]: [u32; 2]) {
-        let placement = [x as f32, y as f32, 0.0, 0.0];
-        queue.write_buffer(&self.placement, 0, bytemuck::bytes_of(&placement));
-    }
-
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, textures: &SceneTextures) {
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, frame: &FrameBinding, textures: &SceneTextures) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &textures.group, &[]);
+        pass.set_bind_group(0, &frame.group, &[]);
+        pass.set_bind_group(1, &textures.group, &[]);
         pass.draw(0..3, 0..1);
     }
 }

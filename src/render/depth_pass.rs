@@ -34,7 +34,6 @@ impl DepthPass {
             vertex_buffer: Some(VERTEX_LAYOUT),
             fragment: None,
             depth: Some(depth_state()),
-            topology: wgpu::PrimitiveTopology::TriangleList,
             cull: None,
             samples: 1,
         };

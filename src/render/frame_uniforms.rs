@@ -36,7 +36,13 @@ pub(crate) struct FrameUniforms {
     pub floor_map_low: [f32; 2],
     pub floor_map_side: f32,
     pub floor_reach: f32,
-    pub picture_px: [f32; 2],
+    pub picture_origin: [f32; 2],
+    pub ray_corner: [f32; 3],
+    pub unused_1: f32,
+    pub ray_right: [f32; 3],
+    pub unused_2: f32,
+    pub ray_up: [f32; 3],
+    pub unused_3: f32,
 }
 
 /// The uniforms on the GPU, bound as group 0 by the passes that read them.
@@ -118,7 +124,13 @@ mod tests {
             floor_map_low,
             floor_map_side,
             floor_reach,
-            picture_px,
+            picture_origin,
+            ray_corner,
+            unused_1,
+            ray_right,
+            unused_2,
+            ray_up,
+            unused_3,
         ];
         assert_eq!(members, rust);
         assert_eq!(span as usize, size_of::<FrameUniforms>());

@@ -142,8 +142,13 @@ impl FaultSlot {
         slot.get_or_insert(fault);
     }
 
-    fn get(&self) -> Option<GpuError> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// The fault, forgotten unless the device is gone for good.
+    fn take(&self) -> Option<GpuError> {
+        let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*slot {
+            Some(GpuError::Lost(_)) => slot.clone(),
+            _ => slot.take(),
+        }
     }
 }
 
@@ -204,12 +209,13 @@ impl Gpu {
         Ok(Self { adapter, device, queue, info, fault })
     }
 
-    /// What went wrong on the device since it was opened, if anything.
+    /// What went wrong on the device since the last check, if anything.
     ///
     /// # Errors
-    /// The first fault: lost device, out of memory, or a rejected call.
+    /// The first fault: lost device (told at every check from then on), out of memory, or a
+    /// rejected call.
     pub fn check(&self) -> Result<(), GpuError> {
-        self.fault.get().map_or(Ok(()), Err)
+        self.fault.take().map_or(Ok(()), Err)
     }
 
     /// Checks that a picture of this size, in pixels, can be drawn.
@@ -273,12 +279,23 @@ fn choose_adapter(
 
 fn no_adapter_message(choice: &AdapterChoice, found: &[String]) -> String {
     let wish = match choice {
-        AdapterChoice::Fastest => "no graphics driver was found (not even a software one)".into(),
-        AdapterChoice::Software => "no software graphics driver was found".into(),
-        AdapterChoice::Named(name) => format!("no graphics adapter is called '{name}'"),
+        AdapterChoice::Fastest if found.is_empty() => {
+            "no graphics driver was found (not even a software one)".to_owned()
+        }
+        AdapterChoice::Fastest => "no graphics adapter can show on this window".to_owned(),
+        AdapterChoice::Software => "no software graphics driver was found".to_owned(),
+        AdapterChoice::Named(name) => format!("no usable graphics adapter is called '{name}'"),
     };
-    let others = if found.is_empty() { String::new() } else { format!("; there is: {}", found.join(", ")) };
-    format!("{wish}{others}.\n{INSTALL_HINT}")
+    if found.is_empty() {
+        return format!("{wish}.\n{INSTALL_HINT}");
+    }
+    let others = found.join(", ");
+    match choice {
+        AdapterChoice::Named(_) => {
+            format!("{wish}; there is: {others}. Change or unset {ADAPTER_VARIABLE}.")
+        }
+        _ => format!("{wish}; there is: {others}.\n{INSTALL_HINT}"),
+    }
 }
 
 /// How to get a driver that needs no graphics card.
@@ -321,10 +338,14 @@ mod tests {
     }
 
     #[test]
-    fn first_fault_is_kept() {
+    fn first_fault_is_told_once_but_a_lost_device_always() {
         let slot = FaultSlot::default();
         slot.put(GpuError::OutOfMemory);
-        slot.put(GpuError::Lost("later".into()));
-        assert_eq!(slot.get(), Some(GpuError::OutOfMemory));
+        slot.put(GpuError::Other("a consequence".into()));
+        assert_eq!(slot.take(), Some(GpuError::OutOfMemory));
+        assert_eq!(slot.take(), None);
+        slot.put(GpuError::Lost("gone".into()));
+        assert_eq!(slot.take(), slot.take());
+        assert!(slot.take().is_some());
     }
 }

@@ -1,9 +1,10 @@
 //! From a [`crate::frame::Frame`] to pixels, in a window or without one.
 //!
 //! ```text
-//!   Frame ─▶ GeometryBuilder ─▶ shadow map, heights ─▶ floor light ─┐
-//!   Camera, View ─▶ FrameUniforms ──────────────────────────────────┴▶ surfaces, floor,
-//!                      background (4 samples) ─▶ compose ─▶ legend, caption ─▶ target
+//!   Frame ─▶ GeometryBuilder ─┬▶ shadow map, heights ─▶ floor light ─┐
+//!                             └▶ bodies (4 samples per pixel) ───────┼▶ compose with floor and
+//!   Camera, View ─▶ FrameUniforms (read by all passes)               │  background ─▶ legend,
+//!                                                                    ┘  caption ─▶ target
 //! ```
 //!
 //! [`Renderer`] draws into a rectangle of any texture; [`OffScreen`] owns one and reads it back.
@@ -40,7 +41,6 @@ mod compose_pass;
 mod depth_pass;
 mod floor_blur_pass;
 mod floor_light_pass;
-mod floor_pass;
 mod frame_uniforms;
 mod framing;
 mod geometry;
@@ -68,15 +68,14 @@ mod tests {
     use super::*;
 
     /// Every shader, as the device gets it.
-    fn shaders() -> [(&'static str, String); 6] {
+    fn shaders() -> [(&'static str, String); 5] {
         let with_prelude = frame_uniforms::with_prelude;
         [
             ("depth_pass", depth_pass::WGSL.to_owned()),
             ("floor_blur_pass", floor_blur_pass::WGSL.to_owned()),
             ("floor_light_pass", with_prelude(floor_light_pass::WGSL)),
-            ("floor_pass", with_prelude(floor_pass::WGSL)),
             ("surface_pass", with_prelude(surface_pass::WGSL)),
-            ("compose_pass", compose_pass::WGSL.to_owned()),
+            ("compose_pass", with_prelude(compose_pass::WGSL)),
         ]
     }
 

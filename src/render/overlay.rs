@@ -14,6 +14,8 @@ const TEXT_SIZE: f32 = 13.0;
 /// Width of the colour bar, points, and its height as a share of the picture's.
 const BAR_WIDTH: f32 = 12.0;
 const BAR_SHARE: f32 = 0.38;
+/// A picture smaller than this, points, would be all legend.
+const SMALLEST_WITH_LEGEND: [f32; 2] = [200.0, 120.0];
 /// Steps of the colour bar; each is drawn as a blend between two colours of the map.
 const BAR_STEPS: usize = 48;
 
@@ -110,7 +112,8 @@ fn raw_input(screen: Rect, pixels_per_point: f32) -> egui::RawInput {
 
 fn draw(painter: &Painter, area: Rect, content: &OverlayContent<'_>) {
     let theme = Theme::of(content.view.background);
-    if let (true, Some(range)) = (content.view.legend, content.range) {
+    let has_room = area.width() > SMALLEST_WITH_LEGEND[0] && area.height() > SMALLEST_WITH_LEGEND[1];
+    if let (true, Some(range)) = (content.view.legend && has_room, content.range) {
         draw_legend(painter, area, content.view.color_by, range, &theme);
     }
     if let Some(caption) = &content.view.caption {

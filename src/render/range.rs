@@ -41,8 +41,10 @@ impl Range {
     #[must_use]
     pub fn position(self, value: f32) -> f32 {
         let position = (value - self.low) / (self.high - self.low);
-        // `max` first turns NaN into 0.
-        position.max(0.0).min(1.0)
+        if position.is_nan() {
+            return 0.0;
+        }
+        position.clamp(0.0, 1.0)
     }
 
     fn up_to(peak: f32, color_by: ColorBy) -> Self {

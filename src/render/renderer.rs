@@ -6,7 +6,6 @@ use crate::render::compose_pass::{ComposePass, SceneTextures};
 use crate::render::depth_pass::{DepthMap, DepthPass};
 use crate::render::floor_blur_pass::FloorBlurPass;
 use crate::render::floor_light_pass::FloorLightPass;
-use crate::render::floor_pass::FloorPass;
 use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
 use crate::render::framing::{Floor, Framing};
 use crate::render::geometry::{Coloring, Geometry, GeometryBuilder, SurfaceVertex};
@@ -22,13 +21,14 @@ use glam::{Vec2, Vec3};
 /// Side of the key light's shadow map, texels.
 const SHADOW_SIDE_PX: u32 = 1024;
 /// Side of the map of heights above the floor, texels.
-const HEIGHT_SIDE_PX: u32 = 384;
+const HEIGHT_SIDE_PX: u32 = 256;
 /// Side of the floor's light map, texels.
 const FLOOR_LIGHT_SIDE_PX: u32 = 256;
 /// Bodies dim the ambient light on the floor up to this height, in body radii.
 const FLOOR_REACH_RADII: f32 = 0.7;
-/// Radius of the floor, in radii of the scene.
-const FLOOR_RADII: f32 = 14.0;
+/// Radius of the floor around what the camera looks at, in distances of the camera. It hangs on
+/// the camera alone, so that the background keeps still while bodies move.
+const FLOOR_RADIUS: f32 = 3.0;
 
 /// Where a picture goes: a rectangle of a texture.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +81,6 @@ pub struct Renderer {
     height_map: DepthMap,
     floor_light_pass: FloorLightPass,
     floor_blur_pass: FloorBlurPass,
-    floor_pass: FloorPass,
     surface_pass: SurfacePass,
     compose_pass: ComposePass,
     overlay: Overlay,
@@ -104,9 +103,8 @@ impl Renderer {
         let floor_light_pass = FloorLightPass::new(device, &frame, maps, FLOOR_LIGHT_SIDE_PX);
         let floor_blur_pass = FloorBlurPass::new(device, &floor_light_pass.map);
         Self {
-            floor_pass: FloorPass::new(device, &frame, &floor_blur_pass.map),
             surface_pass: SurfacePass::new((device, &gpu.queue), &frame, &shadow_map),
-            compose_pass: ComposePass::new(device, target_format),
+            compose_pass: ComposePass::new(device, &frame, &floor_blur_pass.map, target_format),
             overlay: Overlay::new(device, target_format),
             geometry: GeometryBuilder::default(),
             vertices: vertex_buffer(device, 1 << 16),
@@ -152,7 +150,10 @@ impl Renderer {
         let content = OverlayContent { view, time_s: frame.time_s, range };
         self.draw_on_target(&mut encoder, target, &content);
         self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.check()
+        self.gpu.check().inspect_err(|_| {
+            // They may be what failed; the next picture gets new ones.
+            self.textures = None;
+        })
     }
 
     /// Brings the frame's triangles to the GPU; returns the number of vertices.
@@ -198,7 +199,6 @@ impl Renderer {
         if let Some(floor) = &fits.floor {
             self.height_map.set_matrix(queue, floor.heights_from_world());
         }
-        self.compose_pass.place(queue, target.origin_px);
     }
 
     fn fit_textures(&mut self, size_px: [u32; 2]) {
@@ -223,12 +223,7 @@ impl Renderer {
         };
         let mut pass = begin_scene(encoder, textures);
         pass.set_bind_group(0, &self.frame.group, &[]);
-        // From near to far: what is hidden is not shaded.
-        self.surface_pass.draw(&mut pass, &self.vertices, count);
-        if fits.floor.is_some() {
-            self.floor_pass.draw_floor(&mut pass);
-        }
-        self.floor_pass.draw_background(&mut pass);
+        self.surface_pass.draw(&mut pass, &self.vertices, count, fits.is_cut_by_floor);
     }
 
     fn draw_on_target(
@@ -248,7 +243,7 @@ impl Renderer {
         let [width, height] = target.size_px.map(|px| px as f32);
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
         if let Some(textures) = &self.textures {
-            self.compose_pass.draw(&mut pass, textures);
+            self.compose_pass.draw(&mut pass, &self.frame, textures);
         }
         self.overlay.draw(&mut pass);
     }
@@ -258,8 +253,8 @@ impl Renderer {
 struct Fits {
     shadow: ShadowFit,
     floor: Option<FloorFit>,
-    center_m: Vec3,
-    radius_m: f32,
+    /// Whether something reaches below the floor.
+    is_cut_by_floor: bool,
 }
 
 impl Fits {
@@ -269,15 +264,15 @@ impl Fits {
         let reach_m = (FLOOR_REACH_RADII * geometry.body_radius_m).max(1e-5);
         Self {
             shadow: ShadowFit::around(bounds, shadow_px),
+            is_cut_by_floor: floor.is_some_and(|f| bounds.0.z < f.height_m - 1e-3 * reach_m),
             floor: floor.map(|floor| FloorFit::around(bounds, floor.height_m, reach_m)),
-            center_m: 0.5 * (bounds.0 + bounds.1),
-            radius_m: 0.5 * (bounds.1 - bounds.0).length(),
         }
     }
 }
 
 fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme: &Theme) -> FrameUniforms {
     let floor = fits.floor;
+    let [corner, right, up] = camera.picture_rays(target.aspect());
     FrameUniforms {
         clip_from_world: camera.clip_from_world(target.aspect()).to_cols_array_2d(),
         shadow_from_world: fits.shadow.shadow_from_world.to_cols_array_2d(),
@@ -290,7 +285,7 @@ fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme
         sky_light: theme.sky_light.to_array(),
         floor_height: floor.map_or(-1e9, |floor| floor.height_m),
         bounce_light: theme.bounce_light.to_array(),
-        floor_radius: (FLOOR_RADII * fits.radius_m).max(1.5 * camera.distance_m),
+        floor_radius: FLOOR_RADIUS * camera.distance_m,
         rim_light: theme.rim_light.to_array(),
         map_row: map_row(map_of(view.color_by)),
         background_low: theme.background_low.to_array(),
@@ -301,12 +296,16 @@ fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme
         light_spread: KEY_LIGHT_SPREAD,
         wire_color: theme.wire_color.to_array(),
         wire_opacity: theme.wire_opacity,
-        floor_center: fits.center_m.truncate().to_array(),
+        floor_center: camera.target_m.truncate().to_array(),
         floor_map_low: floor.map_or(Vec2::ZERO, |floor| floor.low_m).to_array(),
         floor_map_side: floor.map_or(1.0, |floor| floor.side_m),
         // Without a floor nothing is near it.
         floor_reach: floor.map_or(1e-9, |floor| floor.reach_m),
-        picture_px: target.size_px.map(|px| px as f32),
+        picture_origin: target.origin_px.map(|px| px as f32),
+        ray_corner: corner.to_array(),
+        ray_right: right.to_array(),
+        ray_up: up.to_array(),
+        ..FrameUniforms::default()
     }
 }
 
@@ -336,7 +335,7 @@ fn begin_scene<'e>(encoder: &'e mut wgpu::CommandEncoder, textures: &SceneTextur
             depth_slice: None,
             resolve_target: Some(&textures.resolved),
             ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
                 store: wgpu::StoreOp::Discard,
             },
         })],

@@ -24,6 +24,7 @@ pub(crate) const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::Vertex
 #[derive(Debug)]
 pub(crate) struct SurfacePass {
     pipeline: wgpu::RenderPipeline,
+    above_floor: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
 }
 
@@ -51,24 +52,25 @@ impl SurfacePass {
             ],
         );
         let shader = bindings::shader(device, "surface pass", &with_prelude(WGSL));
-        let pipeline = PipelineParts {
-            label: "surface pass",
-            shader: &shader,
-            layouts: &[&frame.layout, &layout],
-            vertex_entry: "vertex",
-            vertex_buffer: Some(VERTEX_LAYOUT),
-            fragment: Some(("fragment", SCENE_FORMAT)),
-            depth: Some(bindings::scene_depth()),
-            topology: wgpu::PrimitiveTopology::TriangleList,
-            // Surfaces of tetrahedral meshes are closed: their insides are never seen.
-            cull: Some(wgpu::Face::Back),
-            samples: SAMPLES,
+        let layouts = [&frame.layout, &layout];
+        let pipeline = |entry| {
+            let parts = PipelineParts {
+                vertex_buffer: Some(VERTEX_LAYOUT),
+                fragment: Some((entry, SCENE_FORMAT)),
+                depth: Some(bindings::scene_depth()),
+                // Surfaces of tetrahedral meshes are closed: their insides are never seen.
+                cull: Some(wgpu::Face::Back),
+                samples: SAMPLES,
+                ..PipelineParts::full_screen("surface pass", &shader, &layouts, SCENE_FORMAT)
+            };
+            parts.build(device)
         };
-        Self { pipeline: pipeline.build(device), group }
+        Self { pipeline: pipeline("fragment"), above_floor: pipeline("fragment_above_floor"), group }
     }
 
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, vertices: &wgpu::Buffer, count: u32) {
-        pass.set_pipeline(&self.pipeline);
+    /// Draws the triangles; `cut` leaves out what is below the floor.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, vertices: &wgpu::Buffer, count: u32, cut: bool) {
+        pass.set_pipeline(if cut { &self.above_floor } else { &self.pipeline });
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..count, 0..1);

@@ -1,8 +1,7 @@
 //! From the description of a scene to what the simulation starts from.
 
-use super::boxes;
+use super::apart::overlaps;
 use super::description::{Body, BodyMaterial, GROUND, Ground, SceneDescription};
-use super::overlap::overlap;
 use super::place::{Frame, Placed, place};
 use super::problem::suggestion;
 use super::selection::{PlacedMesh, select};
@@ -43,15 +42,15 @@ pub(super) fn build(scene: &SceneDescription, folder: &Path) -> Result<Built, Ve
         }
     }
     if builder.problems.is_empty() {
-        builder.refuse_overlaps();
+        builder.problems = overlaps(scene, &builder.bodies);
     }
     builder.finish()
 }
 
 /// One body of the world and the entry of the text it came from (`None`: the ground).
-struct BuiltBody {
-    setup: BodySetup,
-    entry: Option<usize>,
+pub(super) struct BuiltBody {
+    pub setup: BodySetup,
+    pub entry: Option<usize>,
 }
 
 struct Builder<'a> {
@@ -190,40 +189,6 @@ impl Builder<'_> {
             }
         }
         conditions
-    }
-
-    /// Bodies that neither deforms nor moves freely may overlap: a wall may stand in the ground.
-    fn refuse_overlaps(&mut self) {
-        let boxes: Vec<_> = self.bodies.iter().map(|b| boxes::of_mesh(&b.setup.mesh)).collect();
-        for second in 0..self.bodies.len() {
-            for first in 0..second {
-                let (a, b) = (&self.bodies[first], &self.bodies[second]);
-                let moves = |body: &BuiltBody| matches!(body.setup.motion, BodyMotion::Deformable(_));
-                let near = boxes[first].zip(boxes[second]).is_some_and(|(a, b)| {
-                    use parry3d_f64::bounding_volume::BoundingVolume;
-                    a.intersects(&b)
-                });
-                if !near || !(moves(a) || moves(b)) {
-                    continue;
-                }
-                if let Some(found) = overlap(&a.setup.mesh, &b.setup.mesh) {
-                    let entry = b.entry.or(a.entry).unwrap_or(0);
-                    let message = format!(
-                        "`{}` and `{}` overlap at the start, by {:.3e} m or more near \
-                         [{:.4}, {:.4}, {:.4}]; move one of them, for instance with \
-                         `on = \"{}\"`, and a `gap` to hang above",
-                        a.setup.name,
-                        b.setup.name,
-                        found.depth_m,
-                        found.near_m.x,
-                        found.near_m.y,
-                        found.near_m.z,
-                        a.entry.map_or(GROUND, |entry| self.scene.bodies[entry].name.as_str()),
-                    );
-                    self.problems.push((format!("bodies[{entry}].position"), message));
-                }
-            }
-        }
     }
 
     fn finish(self) -> Result<Built, Vec<BuildProblem>> {

@@ -260,6 +260,10 @@ fn put_in_table(
     put: impl FnOnce(&mut Item),
     rest: &[Segment],
 ) {
+    let was_header = table.get(key).is_some_and(|item| !item.is_value());
+    if rest.is_empty() && was_header {
+        table.remove(key);
+    }
     if table.get(key).is_none() {
         let nothing = if inline || rest.is_empty() {
             Item::Value(toml_edit::InlineTable::new().into())

@@ -8,6 +8,7 @@
 //! [`Scene::load`] does it all. Every stage collects all its problems and says where in the text (or in
 //! which override) each of them sits.
 
+mod apart;
 mod boxes;
 mod build;
 pub mod description;

@@ -2,6 +2,7 @@
 
 use super::shape::{MeshFile, Shape};
 use crate::mesh::TetMesh;
+use crate::mesh::import::{ImportOptions, read_mesh};
 use crate::mesh::shapes::{self, ShapeError};
 use glam::DVec3;
 use std::path::Path;
@@ -82,5 +83,41 @@ fn problem_of_shape(error: ShapeError) -> ShapeProblem {
 }
 
 fn mesh_of_file(file: &MeshFile, folder: &Path) -> Result<ShapeMesh, ShapeProblem> {
-    Err(ShapeProblem { key: "mesh.file".to_owned(), message: format!("{} {}", file.file, folder.display()) })
+    let problem = |message: String| ShapeProblem { key: "mesh.file".to_owned(), message };
+    let path = folder.join(&file.file);
+    if !path.exists() {
+        return Err(problem(format!(
+            "there is no mesh file `{}`; relative paths start at the scene's folder",
+            path.display()
+        )));
+    }
+    let options = ImportOptions { drop_bad_elements: file.drop_bad_elements };
+    let imported = read_mesh(&path, &options).map_err(|error| problem(error.to_string()))?;
+    let mut mesh = imported.mesh;
+    if mesh.tets.len() > ELEMENT_LIMIT {
+        return Err(problem(format!(
+            "the mesh has {} elements, and at most {ELEMENT_LIMIT} are allowed",
+            mesh.tets.len()
+        )));
+    }
+    if !file.keep_origin {
+        centre(&mut mesh);
+    }
+    for node_m in &mut mesh.nodes_m {
+        *node_m *= file.scale;
+    }
+    check_extent(&mesh)?;
+    Ok(ShapeMesh { mesh, notes: imported.notes })
+}
+
+/// Beyond these sizes volumes and stiffness leave the range of numbers; the built-in shapes' limits, too.
+fn check_extent(mesh: &TetMesh) -> Result<(), ShapeProblem> {
+    let extent_m = mesh.bounds_m().map_or(0.0, |(low, high)| (high - low).length());
+    if (1e-9..=1e9).contains(&extent_m) {
+        return Ok(());
+    }
+    Err(ShapeProblem {
+        key: "mesh.scale".to_owned(),
+        message: format!("the mesh becomes {extent_m:e} m large; it must be from 1e-9 to 1e9 m"),
+    })
 }

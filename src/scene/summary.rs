@@ -165,7 +165,8 @@ impl fmt::Display for BodySummary {
             write!(f, ", rigid")?;
         }
         if self.added_mass_kg > 0.0 {
-            write!(f, ", mass scaling adds about {:.2e} kg", self.added_mass_kg)?;
+            let percent = 100.0 * self.added_mass_kg / self.mass_kg;
+            write!(f, ", mass scaling adds about {percent:.2} % of it")?;
         }
         Ok(())
     }

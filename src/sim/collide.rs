@@ -82,12 +82,29 @@ impl ContactScene<'_> {
         })
     }
 
-    /// Whether the constraint is a node of the finer body on the coarser one's patch. Enforcing these
-    /// alone first leaves out what both sides would say twice, and the passes converge fast.
+    /// Whether the constraint is a node of the finer body on the coarser one's patch.
     fn is_primary(&self, c: &Constraint) -> bool {
         let [own, other] = c.bodies.map(|b| &self.bodies[b as usize]);
         let is_node = matches!(c.feature, Feature::NodeOnPatch { .. });
         is_node && (c.bodies[0] == c.bodies[1] || is_finer(own, other))
+    }
+
+    /// Sorts out what both sides would say twice, so that the passes converge fast: a coarser body's node
+    /// on a patch all of whose corners touch the coarser body themselves. Returns what is to be enforced and what is to
+    /// be watched.
+    fn without_redundant(&self, found: Vec<Constraint>) -> (Vec<Constraint>, Vec<Constraint>) {
+        let mut touching: Vec<(u32, u32, u32)> = found
+            .iter()
+            .filter(|c| self.is_primary(c))
+            .map(|c| (c.bodies[0], c.nodes[0].1, c.bodies[1]))
+            .collect();
+        touching.sort_unstable();
+        found.into_iter().partition(|c| {
+            let corner_touches =
+                |corner: &(u8, u32)| touching.binary_search(&(c.bodies[1], corner.1, c.bodies[0])).is_ok();
+            let is_node = matches!(c.feature, Feature::NodeOnPatch { .. });
+            !is_node || self.is_primary(c) || !c.nodes[1..].iter().all(corner_touches)
+        })
     }
 
     /// Closing speed below which nothing bounces, m/s.
@@ -149,16 +166,13 @@ pub(super) fn respond(scene: &mut ContactScene) -> ContactOutcome {
     }
 }
 
-/// Solves the primary pairs, then adds what the corrected velocities still close, until nothing is left.
+/// Solves the pairs that are not redundant, then adds what the corrected velocities still close, until nothing is left.
 fn solve_all(
     scene: &mut ContactScene,
     found: Vec<Constraint>,
     parameters: &ResponseParameters,
 ) -> (ResponseReport, Vec<Constraint>) {
-    let (mut active, others): (Vec<_>, Vec<_>) = found.into_iter().partition(|c| scene.is_primary(c));
-    if active.is_empty() {
-        active = others;
-    }
+    let (mut active, _) = scene.without_redundant(found);
     let mut round = 0;
     loop {
         sort_by_place(&mut active);

@@ -40,19 +40,19 @@ impl Body {
     pub fn kick_first_half(&mut self, c: &StepContext) {
         self.book_prescribed_work(c);
         self.add_acceleration(0.5 * c.step_s);
-        self.damp(c.step_s, |half| 1.0 / (1.0 + half));
         self.enforce_prescribed_velocities();
     }
 
-    /// Moves the nodes with the (contact-corrected) velocities.
+    /// Moves the nodes with the (contact-corrected) velocities, half of the damping before and half after.
     pub fn drift(&mut self, step_s: f64) {
+        self.damp(step_s);
         for_nodes(&mut self.position_m, &self.velocity_m_s, |x, v| *x += *v * step_s);
+        self.damp(step_s);
     }
 
     /// Second half of the kick, after [`Self::update_acceleration`] at the new positions.
     pub fn kick_second_half(&mut self, c: &StepContext) {
         self.book_prescribed_work(c);
-        self.damp(c.step_s, |half| 1.0 - half);
         self.add_acceleration(0.5 * c.step_s);
         self.enforce_prescribed_velocities();
     }
@@ -71,14 +71,18 @@ impl Body {
         }
     }
 
-    /// Lumped damping `C = alpha M` on what is not rigid motion (on everything where supports hold the
-    /// body), `factor(alpha h / 2)` being the scheme's; the energy taken is booked.
-    fn damp(&mut self, step_s: f64, factor: impl Fn(f64) -> f64) {
+    /// Half a step of lumped damping `C = alpha M` on what is not rigid motion (on everything where supports
+    /// hold the body); the energy taken is booked.
+    ///
+    /// The full factor `(1 - alpha h/2)/(1 + alpha h/2)` is that of central differences. It acts on velocities that
+    /// contact has corrected already: damping the prediction would book energy that a pressed node never has.
+    fn damp(&mut self, step_s: f64) {
         let alpha = self.elasticity.as_ref().map_or(0.0, |e| e.damping_per_s);
         if alpha <= 0.0 {
             return;
         }
-        let factor = factor(0.5 * alpha * step_s);
+        let half = 0.5 * alpha * step_s;
+        let factor = ((1.0 - half).max(0.0) / (1.0 + half)).sqrt();
         let (centre, velocity, spin) = self.rigid_velocity();
         let mut taken_j = 0.0;
         for ((v, x), m) in self.velocity_m_s.iter_mut().zip(&self.position_m).zip(&self.mass_kg) {

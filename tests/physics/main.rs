@@ -1,4 +1,6 @@
 //! Physics against theory: conservation laws, closed forms, contact and rest.
 
 mod build;
+mod rest;
 mod rods;
+mod spin;

@@ -12,14 +12,16 @@ mod hex_mesh;
 mod lamp;
 mod lathe;
 mod lattice;
+mod table;
 
 use super::TetMesh;
 pub use ball::Ball;
-pub use blocks::{Beam, BoxShape, NotchSide, Pile, Plate, Rod, Table};
+pub use blocks::{Beam, BoxShape, NotchSide, Pile, Plate, Rod};
 pub use cup::Cup;
 pub use hammer::Hammer;
 pub use hex_mesh::HexSplit;
 pub use lamp::Lamp;
+pub use table::Table;
 
 /// Most tetrahedra a built-in shape may have.
 pub const ELEMENT_LIMIT: u32 = 5_000_000;

@@ -5,7 +5,7 @@ use super::super::findings::Findings;
 use super::super::path;
 use super::super::presets::PRESETS;
 use super::super::problem::suggestion;
-use super::super::tree::Node;
+use super::super::tree::{Node, Origin};
 use super::is_ground;
 
 /// Checks a scene whose parts have been read one by one.
@@ -13,6 +13,7 @@ pub(super) fn check(scene: &SceneDescription, root: &Node, findings: &Findings) 
     let checks = Checks { scene, root, findings };
     checks.names_differ();
     checks.materials_exist();
+    checks.new_materials_are_used();
     checks.neighbours_exist();
     checks.pairs_exist();
     checks.camera_exists();
@@ -64,6 +65,22 @@ impl Checks<'_> {
         }
         if let Some(ground) = &self.scene.ground {
             self.material_exists("ground.material", &ground.material);
+        }
+    }
+
+    /// An override may change a material of the library, but not one that no body is of: it would be
+    /// without effect.
+    fn new_materials_are_used(&self) {
+        let ground = self.scene.ground.iter().map(|ground| ground.material.as_str());
+        let bodies = self.scene.bodies.iter().flat_map(|body| body.material.names());
+        let used: Vec<&str> = bodies.chain(ground).collect();
+        for material in &self.scene.materials {
+            let path = format!("materials.{}", material.name);
+            let new = matches!(path::locate(self.root, &path), Origin::Override(_));
+            if new && !used.contains(&material.name.as_str()) {
+                let hint = suggestion(&material.name, used.iter().copied());
+                self.report(&path, format!("no body is of the material `{}`{hint}", material.name));
+            }
         }
     }
 
