@@ -15,10 +15,11 @@ pub fn show(context: &Context, app: &App, actions: &mut Vec<Action>) {
     }
     let area = app.viewport.filter(|_| !app.is_gallery);
     let area = area.unwrap_or_else(|| context.content_rect());
-    let corner = area.center_top() + vec2(0.0, 12.0);
+    // At the bottom, where it hides neither the legend nor, mostly, what happens.
+    let corner = area.center_bottom() - vec2(0.0, 14.0);
     Area::new(Id::unique("banner"))
         .order(Order::Foreground)
-        .pivot(Align2::CENTER_TOP)
+        .pivot(Align2::CENTER_BOTTOM)
         .fixed_pos(corner)
         .show(context, |ui| {
             ui.set_width(WIDTH.min(area.width() - 24.0).max(200.0));

@@ -1,7 +1,7 @@
 //! Balances over time.
 
 use super::icons;
-use crate::render::with_unit;
+use super::widgets::measured;
 use crate::viewer::history::{History, Row};
 use egui::{Color32, RichText, Ui};
 use egui_plot::{GridMark, HoverPosition, Line, LineStyle, Plot};
@@ -80,7 +80,7 @@ pub fn contact_force(ui: &mut Ui, history: &History) {
 fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row]) {
     let label = move |position: &HoverPosition<'_>| match position {
         HoverPosition::NearDataPoint { plot_name, position, .. } => {
-            Some(format!("{plot_name} {}\nat {}", with_unit(position.y, unit), with_unit(position.x, "s")))
+            Some(format!("{plot_name} {}\nat {}", measured(position.y, unit), measured(position.x, "s")))
         }
         HoverPosition::Elsewhere { .. } => None,
     };
@@ -139,7 +139,7 @@ fn marks((low, high): (f64, f64), count: f64) -> Vec<GridMark> {
 }
 
 fn tick(value: f64, unit: &str) -> String {
-    if value == 0.0 { "0".to_owned() } else { with_unit(value, unit) }
+    if value == 0.0 { "0".to_owned() } else { measured(value, unit) }
 }
 
 /// Points of a curve, of each group of rows the one largest in size, so that no peak is lost.
@@ -160,7 +160,7 @@ fn legend(ui: &mut Ui, unit: &str, curves: &[Curve], rows: &[Row]) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 icons::swatch(ui, curve.color);
-                let text = format!("{} {}", curve.name, with_unit((curve.value)(&last), unit));
+                let text = format!("{} {}", curve.name, measured((curve.value)(&last), unit));
                 ui.label(RichText::new(text).small()).on_hover_text(curve.hint);
             });
             if index % 2 == 1 {

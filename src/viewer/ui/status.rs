@@ -1,7 +1,7 @@
 //! The line at the bottom: where the run stands.
 
 use super::toolbar::speed_text;
-use crate::render::with_unit;
+use super::widgets::measured;
 use crate::viewer::session::Snapshot;
 use egui::{RichText, Ui};
 
@@ -26,13 +26,10 @@ fn values(snapshot: &Snapshot) -> Vec<(&'static str, String, &'static str)> {
         _ if snapshot.is_playing => "…".to_owned(),
         _ => "paused".to_owned(),
     };
-    let step = if snapshot.stable_step_s.is_finite() {
-        with_unit(snapshot.stable_step_s, "s")
-    } else {
-        "—".into()
-    };
+    let step =
+        if snapshot.stable_step_s.is_finite() { measured(snapshot.stable_step_s, "s") } else { "—".into() };
     let mut values = vec![
-        ("t", with_unit(snapshot.frame.time_s, "s"), "Simulated time"),
+        ("t", measured(snapshot.frame.time_s, "s"), "Simulated time"),
         ("real-time factor", speed, "Simulated time over time on the wall, over the last second"),
         ("stage", status.stage.clone(), "What the last step did"),
         ("elements", status.elements.to_string(), "Tetrahedra of the bodies that deform"),

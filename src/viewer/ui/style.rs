@@ -76,19 +76,16 @@ fn paint(style: &mut Style, theme: Theme) {
 
 /// The bars at the top and the bottom. Panels have no fill of their own: the window is cleared to their colour,
 /// which costs a software driver next to nothing.
-#[must_use]
 pub fn bar_frame() -> Frame {
     Frame::new().inner_margin(Margin::symmetric(12, 7))
 }
 
 /// The panels at the sides.
-#[must_use]
 pub fn side_frame() -> Frame {
     Frame::new().inner_margin(Margin { left: 12, right: 4, top: 8, bottom: 8 })
 }
 
 /// The gallery.
-#[must_use]
 pub fn gallery_frame() -> Frame {
     Frame::new().inner_margin(Margin { left: 20, right: 12, top: 12, bottom: 8 })
 }

@@ -53,6 +53,13 @@ impl Parameter {
     }
 }
 
+/// A measured value with its unit, short whatever its size: a run that blows up must not blow up the panels.
+#[must_use]
+pub fn measured(value: f64, unit: &str) -> String {
+    let is_usual = value == 0.0 || (1e-12..1e15).contains(&value.abs());
+    if is_usual { with_unit(value, unit) } else { format!("{value:.1e} {unit}") }
+}
+
 /// A value as people write it: kilograms and rates take no further prefix.
 fn with_its_unit(value: f64, unit: &str) -> String {
     match unit {
@@ -95,7 +102,6 @@ pub fn parse_with_unit(text: &str, unit: &str) -> Option<f64> {
 }
 
 /// The scrolled inside of a panel at the side; its bar has a margin of its own.
-#[must_use]
 pub fn side_scroll() -> ScrollArea {
     let bar = egui::Margin { right: 10, ..egui::Margin::ZERO };
     ScrollArea::vertical().auto_shrink(false).content_margin(bar)
@@ -171,6 +177,14 @@ mod tests {
     fn what_is_shown_can_be_typed_back() {
         for value in [1.5e7, 210e9, 0.6e6, 7850.0, 0.0] {
             assert_eq!(parse_with_unit(&with_unit(value, "Pa"), "Pa"), Some(value));
+        }
+    }
+
+    #[test]
+    fn measured_values_stay_short() {
+        for value in [0.0, -1.2345e-5, 9.99e14, 2.3e180, -f64::MAX, 1e-300, f64::INFINITY, f64::NAN] {
+            let text = measured(value, "J");
+            assert!(text.chars().count() <= 12, "{text}");
         }
     }
 
