@@ -237,6 +237,12 @@ impl World {
         Ok(self.bodies.len() - 1)
     }
 
+    /// Whether some body deforms at present, so that the next step is an elastic one.
+    #[must_use]
+    pub fn is_deforming(&self) -> bool {
+        self.bodies.iter().any(|b| b.regime == Regime::Elastic)
+    }
+
     /// Number of bodies.
     #[must_use]
     pub fn body_count(&self) -> usize {

@@ -177,27 +177,46 @@ impl Session {
         Some(self.pace.map_or(0.0, |pace| pace.wait_s(wall_s)))
     }
 
-    /// Steps towards the next moment; `is_enough` is asked after every step. Returns whether it was reached.
+    /// Steps to the next moment or, with elastic steps, the first one after it; `is_enough` is asked after every
+    /// step. Returns whether it was reached.
     pub fn advance(&mut self, wall_s: f64, mut is_enough: impl FnMut() -> bool) -> bool {
-        let Some(run) = self.run.as_ref().filter(|_| self.is_playing) else { return true };
-        let mut time_s = run.world.time_s();
+        if self.run.is_none() || !self.is_playing {
+            return true;
+        }
+        let mut time_s = self.time_s();
         let pace = *self.pace.get_or_insert_with(|| Pace::new(self.speed, time_s, wall_s));
         let moment_s = pace.moment_s();
+        let mut has_moved = false;
         while !is_reached(time_s, moment_s) {
-            if !self.take_step(moment_s) {
+            if !self.take_step(self.limit_s(moment_s)) {
                 return true;
             }
             time_s = self.time_s();
+            has_moved = true;
             if !is_reached(time_s, moment_s) && is_enough() {
                 return false;
             }
         }
-        self.note_balances();
+        // In extreme slow motion an elastic step spans several moments.
+        if has_moved {
+            self.note_balances();
+        }
         self.meter.mark(wall_s, time_s);
         if let Some(pace) = &mut self.pace {
             pace.pass(wall_s);
         }
         true
+    }
+
+    /// How far the next step may go. Elastic steps keep their natural length, as without a window: cutting them at
+    /// moments that the speed dictates would make what happens depend on the speed.
+    fn limit_s(&self, moment_s: f64) -> f64 {
+        match self.run.as_ref().map(|run| &run.world) {
+            Some(world) if world.is_deforming() => {
+                moment_s.max(world.time_s() + world.setup().time.free_interval_s)
+            }
+            _ => moment_s,
+        }
     }
 
     /// What the window should show.
@@ -468,6 +487,28 @@ mod tests {
             moments += u32::from(late.advance(f64::from(moments) * 9.0, || true));
         }
         assert_eq!(punctual.history, late.history);
+    }
+
+    #[test]
+    fn elastic_steps_do_not_depend_on_the_speed() {
+        let elastic_steps_at = |speed: f64| {
+            let mut session = opened("rods-collision", &[]);
+            session.execute(Command::SetSpeed(speed));
+            let mut free_steps = 0;
+            while session.time_s() < 1e-4 {
+                session.advance(0.0, || false);
+                let world = &session.run.as_ref().unwrap().world;
+                if !world.is_deforming() {
+                    free_steps = world.steps();
+                }
+            }
+            let world = &session.run.as_ref().unwrap().world;
+            (world.steps() - free_steps, world.sample().balance_j())
+        };
+        let (steps, balance_j) = elastic_steps_at(1.0 / 2e4);
+        let (slower_steps, slower_balance_j) = elastic_steps_at(1.0 / 3e5);
+        assert!(steps.abs_diff(slower_steps) <= 2, "{steps} {slower_steps}");
+        assert!((slower_balance_j / balance_j - 1.0).abs() < 0.01, "{balance_j} {slower_balance_j}");
     }
 
     #[test]
