@@ -96,14 +96,18 @@ fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row
         .grid_color(grid_color)
         .grid_spacing(egui::Rangef::new(10.0, 40.0))
         .x_grid_spacer(|grid| marks(grid.bounds, 2.4))
-        .y_grid_spacer(|grid| marks(grid.bounds, 3.5))
+        .y_grid_spacer(|grid| marks(grid.bounds, 5.0))
         .y_axis_min_width(48.0)
         .set_margin_fraction(egui::vec2(0.1, 0.06))
         .include_y(0.0)
         .include_x(0.0)
         .include_x(if is_flat(rows, |row| row.time_s) { 1e-3 } else { 0.0 })
         .include_y(if curves.iter().all(|curve| is_flat(rows, curve.value)) { 1.0 } else { 0.0 })
-        .x_axis_formatter(|mark, _| tick(mark.value, "s"))
+        .x_axis_formatter(|mark, range| {
+            // A label at the very end would stick out of the panel.
+            let is_last = range.end() - mark.value < 0.1 * (range.end() - range.start());
+            if is_last { String::new() } else { tick(mark.value, "s") }
+        })
         .y_axis_formatter(move |mark, _| tick(mark.value, unit))
         .label_formatter(label)
         .show(ui, |plot| {
