@@ -8,8 +8,8 @@ use crate::render::{
     Camera, Caption, ColorBy, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range, View,
 };
 use crate::scene::SceneDescription;
-use crate::scene::description::{Camera as SceneCamera, Eye, Recording};
-use glam::Vec3;
+use crate::scene::description::{Camera as SceneCamera, Recording};
+use crate::viewer::scene_camera;
 
 /// More pictures than this are surely a slip of the slow motion or the rate.
 const MOST_FRAMES: f64 = 10_000.0;
@@ -183,36 +183,6 @@ impl CameraChoice {
     }
 }
 
-fn scene_camera(wanted: &SceneCamera, framing: &Framing, aspect: f32) -> Camera {
-    let target_m = wanted.target_m.map(|target| target.as_vec3());
-    let mut camera =
-        Camera { fov_y_rad: (wanted.field_of_view_deg as f32).to_radians(), ..Camera::default() };
-    match wanted.eye {
-        Eye::At(eye_m) => {
-            framing.fit(&mut camera, aspect);
-            let target_m = target_m.unwrap_or(camera.target_m);
-            look_from(&mut camera, eye_m.as_vec3(), target_m);
-        }
-        Eye::Around { yaw_deg, pitch_deg, distance_m } => {
-            camera.yaw_rad = (yaw_deg as f32).to_radians();
-            camera.pitch_rad = (pitch_deg as f32).to_radians();
-            framing.fit(&mut camera, aspect);
-            camera.target_m = target_m.unwrap_or(camera.target_m);
-            camera.distance_m = distance_m.map_or(camera.distance_m, |distance| distance as f32);
-        }
-    }
-    camera
-}
-
-/// Turns an orbit camera so that its eye is at a point.
-fn look_from(camera: &mut Camera, eye_m: Vec3, target_m: Vec3) {
-    let back = eye_m - target_m;
-    camera.target_m = target_m;
-    camera.distance_m = back.length();
-    camera.yaw_rad = back.x.atan2(-back.y);
-    camera.pitch_rad = back.z.atan2(back.truncate().length());
-}
-
 /// Something to draw with.
 pub struct Studio {
     screen: OffScreen,
@@ -260,14 +230,5 @@ mod tests {
     fn absurd_numbers_of_pictures_are_refused() {
         let refused = even_moments(0.0, 1.0, 1e-9);
         assert!(matches!(refused, Err(Failure::BadInput(text)) if text.contains("--slow-motion")));
-    }
-
-    #[test]
-    fn a_camera_at_a_point_has_its_eye_there() {
-        let (eye_m, target_m) = (Vec3::new(3.0, -2.0, 1.5), Vec3::new(0.5, 0.5, 0.5));
-        let mut camera = Camera::default();
-        look_from(&mut camera, eye_m, target_m);
-        assert!((camera.eye_m() - eye_m).length() < 1e-5, "{}", camera.eye_m());
-        assert_eq!(camera.target_m, target_m);
     }
 }

@@ -2,6 +2,8 @@
 
 use super::args::CommonArgs;
 use super::failure::Failure;
+use crate::scene::Scene;
+use crate::viewer::{ViewerOptions, run as run_viewer};
 use clap::Args;
 
 /// Arguments of `view`.
@@ -9,15 +11,26 @@ use clap::Args;
 pub struct ViewArgs {
     /// Built-in scene or scene file; the gallery by default
     pub scene: Option<String>,
+    /// For tests: resize the window twice and close it after this many frames
+    #[arg(long, value_name = "N", hide = true)]
+    pub quit_after_frames: Option<u64>,
 }
 
 /// Opens the viewer.
 ///
 /// # Errors
-/// [`Failure`] when the scene or the window cannot be opened.
-pub fn run(_args: &ViewArgs, _common: &CommonArgs) -> Result<(), Failure> {
-    // The one place to call `crate::viewer::run` from.
-    Err(Failure::Run(
-        "the viewer is not built in yet; `hammerfall render SCENE -o out.gif` makes a picture".to_owned(),
-    ))
+/// [`Failure`] when the scene is wrong, or the window cannot be opened.
+pub fn run(args: &ViewArgs, common: &CommonArgs) -> Result<(), Failure> {
+    if let Some(scene) = &args.scene {
+        // Bad input is refused as everywhere; scenes opened later tell about it in the window.
+        Scene::load(scene, &common.overrides).map_err(|error| Failure::BadInput(error.to_string()))?;
+    } else if !common.overrides.is_empty() {
+        return Err(Failure::BadInput("`--set` needs a scene: hammerfall view SCENE --set ...".to_owned()));
+    }
+    let options = ViewerOptions {
+        scene: args.scene.clone(),
+        overrides: common.overrides.clone(),
+        quit_after_frames: args.quit_after_frames,
+    };
+    run_viewer(options).map_err(|error| Failure::Run(error.to_string()))
 }

@@ -47,6 +47,11 @@ impl BroadPhase {
         Self { entries, pairs: Vec::new(), self_collision }
     }
 
+    /// Makes room for one more body.
+    pub fn add_body(&mut self) {
+        self.entries.push(Entry::default());
+    }
+
     /// Renews what is out of date and finds the pairs of which at least one body is elastic.
     /// `step_s` is the length of the step to come.
     pub fn update(&mut self, bodies: &[Body], step_s: f64) {

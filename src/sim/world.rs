@@ -7,7 +7,7 @@ use super::elastic::StepContext;
 use super::publish::{FrameParts, element_stress};
 use super::rest::RestTracker;
 use super::touch::Touch;
-use super::{ContactMethod, PhaseTimes, Sample, StepReport, WorldSetup};
+use super::{BodySetup, ContactMethod, ContactParameters, PhaseTimes, Sample, StepReport, WorldSetup};
 use crate::contact::CollisionList;
 use crate::frame::ContactMark;
 use crate::mesh::Pieces;
@@ -197,6 +197,52 @@ impl World {
         &self.setup
     }
 
+    /// Changes how bodies meet, from the next step on.
+    ///
+    /// # Errors
+    /// [`SimError::Setup`] when a parameter is unsound; the world keeps its parameters then.
+    pub fn set_contact_parameters(&mut self, contact: ContactParameters) -> Result<(), SimError> {
+        let before = std::mem::replace(&mut self.setup.contact, contact);
+        if let Err(error) = check(&self.setup) {
+            self.setup.contact = before;
+            return Err(error);
+        }
+        self.broad.self_collision = self.setup.contact.self_collision;
+        Ok(())
+    }
+
+    /// Adds a body at the present time and returns its number. Where its bounding box would cut into that of
+    /// another body, it starts above that body instead.
+    ///
+    /// # Errors
+    /// [`SimError::Setup`] when the body is unsound or its name is taken; the world stays as it is then.
+    pub fn add_body(&mut self, mut setup: BodySetup) -> Result<usize, SimError> {
+        if self.bodies.iter().any(|b| b.name == setup.name) {
+            return Err(SimError::Setup(format!("there is a body `{}` already", setup.name)));
+        }
+        self.place_free_bodies();
+        raise_above(&mut setup.mesh.nodes_m, &self.bodies);
+        let mut body = Body::new(&setup)?;
+        start(&mut body, &self.setup)?;
+        if body.is_deformable() {
+            self.fragments += Pieces::by_faces(&body.tets).count;
+        }
+        self.frame_parts.push(FrameParts::new(&body, &setup));
+        self.rest.push(RestTracker::default());
+        self.broad.add_body();
+        // The first touch was looked up without the newcomer.
+        self.plan = FreePlan::default();
+        self.bodies.push(body);
+        self.setup.bodies.push(setup);
+        Ok(self.bodies.len() - 1)
+    }
+
+    /// Whether some body deforms at present, so that the next step is an elastic one.
+    #[must_use]
+    pub fn is_deforming(&self) -> bool {
+        self.bodies.iter().any(|b| b.regime == Regime::Elastic)
+    }
+
     /// Number of bodies.
     #[must_use]
     pub fn body_count(&self) -> usize {
@@ -291,6 +337,26 @@ fn start(body: &mut Body, setup: &WorldSetup) -> Result<(), SimError> {
     }
     let context = StepContext { time_s: 0.0, step_s: 0.0, gravity_m_s2: setup.gravity_m_s2 };
     body.update_acceleration(&context)
+}
+
+/// Moves nodes up until their bounding box is clear of those of all bodies, m.
+fn raise_above(nodes_m: &mut [DVec3], bodies: &[Body]) {
+    /// Free height above the body below, as a share of the newcomer's size.
+    const GAP_SHARE: f64 = 0.05;
+    let boxes: Vec<_> = bodies.iter().filter_map(|b| bounds_m(&b.position_m)).collect();
+    // Each round clears one box for good, since the way only leads up.
+    for _ in 0..boxes.len() {
+        let Some((low, high)) = bounds_m(nodes_m) else { return };
+        let cuts = |b: &&(DVec3, DVec3)| b.0.cmple(high).all() && low.cmple(b.1).all();
+        let Some((_, top)) = boxes.iter().find(cuts) else { return };
+        let lift_m = top.z - low.z + GAP_SHARE * (high - low).max_element();
+        nodes_m.iter_mut().for_each(|x| x.z += lift_m);
+    }
+}
+
+fn bounds_m(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    let first = *points.first()?;
+    Some(points.iter().fold((first, first), |(low, high), x| (low.min(*x), high.max(*x))))
 }
 
 fn check(setup: &WorldSetup) -> Result<(), SimError> {

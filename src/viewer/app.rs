@@ -1,0 +1,245 @@
+//! The viewer without a window: its state, what buttons and keys do, and the panels laid out.
+
+use super::edits::Edits;
+use super::look::Look;
+use super::session::{Command, Snapshot};
+use super::simulation::Simulation;
+use super::thumbnails::{Sketch, Sketcher};
+use super::ui::{self, Action};
+use crate::frame::Frame;
+use crate::render::{Camera, View};
+use crate::scene::BUILTIN_SCENES;
+use egui::{Rect, TextureId, Ui};
+use std::sync::Arc;
+
+/// Title of the window without a scene.
+pub const TITLE: &str = "hammerfall";
+
+/// Which panels are there.
+#[derive(Clone, Copy, Debug)]
+pub struct Panels {
+    /// Materials, contact, dropping: at the left.
+    pub parameters: bool,
+    /// Colours and plots: at the right.
+    pub inspector: bool,
+    /// Keys and mouse.
+    pub help: bool,
+}
+
+/// The state of the viewer.
+pub struct App {
+    /// The simulation.
+    simulation: Simulation,
+    /// What it showed last.
+    pub snapshot: Arc<Snapshot>,
+    /// Values on the sliders.
+    pub edits: Edits,
+    /// The picture.
+    pub look: Look,
+    /// Which panels are there.
+    pub panels: Panels,
+    /// Whether the gallery covers the scene.
+    pub is_gallery: bool,
+    /// Number of the notice that was dismissed last.
+    dismissed: u64,
+    /// Where the picture goes, points.
+    pub viewport: Option<Rect>,
+    /// The picture of the scene, where the panels have to paint it.
+    pub picture: Option<TextureId>,
+    /// Thumbnails of the built-in scenes, drawn by the window's graphics.
+    pub thumbnails: Vec<Option<TextureId>>,
+    sketcher: Sketcher,
+    sketches: Vec<Sketch>,
+    sketches_drawn: usize,
+    actions: Vec<Action>,
+}
+
+/// A picture that the window's graphics should draw.
+pub struct PictureRequest<'a> {
+    /// The frame.
+    pub frame: &'a Arc<Frame>,
+    /// From where.
+    pub camera: Camera,
+    /// How.
+    pub view: View,
+    /// Width and height, pixels.
+    pub size_px: [u32; 2],
+}
+
+impl App {
+    /// The viewer at its gallery.
+    #[must_use]
+    pub fn new(simulation: Simulation, sketcher: Sketcher) -> Self {
+        Self {
+            simulation,
+            snapshot: Arc::default(),
+            edits: Edits::default(),
+            look: Look::default(),
+            panels: Panels { parameters: true, inspector: true, help: false },
+            is_gallery: true,
+            dismissed: 0,
+            viewport: None,
+            picture: None,
+            thumbnails: vec![None; BUILTIN_SCENES.len()],
+            sketcher,
+            sketches: Vec::new(),
+            sketches_drawn: 0,
+            actions: Vec::new(),
+        }
+    }
+
+    /// Opens a scene by name or path.
+    pub fn open(&mut self, scene: &str, overrides: &[String]) {
+        self.is_gallery = false;
+        let (scene, overrides) = (scene.to_owned(), overrides.to_vec());
+        self.simulation.send(Command::Open { scene, overrides, play: true });
+    }
+
+    /// Title of the window.
+    #[must_use]
+    pub fn title(&self) -> String {
+        match &self.snapshot.scene {
+            Some(scene) if !self.is_gallery => format!("{} — {TITLE}", scene.description.title),
+            _ => TITLE.to_owned(),
+        }
+    }
+
+    /// Whether the simulation has still to carry out what it was asked for.
+    #[must_use]
+    pub fn is_waiting(&self) -> bool {
+        self.simulation.is_behind(&self.snapshot)
+    }
+
+    /// The text of the notice that is shown, if any.
+    #[must_use]
+    pub fn notice(&self) -> Option<&str> {
+        let notice = self.snapshot.notice.as_ref().filter(|notice| notice.number > self.dismissed);
+        notice.map(|notice| notice.text.as_str())
+    }
+
+    /// Lays out the whole window for one frame and does what was asked for in it.
+    pub fn update(&mut self, ui: &mut Ui) {
+        self.take_news();
+        let mut actions = std::mem::take(&mut self.actions);
+        ui::style::choose_theme(ui.ctx(), self.look.is_dark);
+        ui::keys::read(ui.ctx(), self.is_gallery, self.panels.help, &mut actions);
+        ui::show(ui, self, &mut actions);
+        for action in actions.drain(..) {
+            self.act(action);
+        }
+        self.actions = actions;
+    }
+
+    /// What the graphics should draw into the viewport, once its place is known.
+    #[must_use]
+    pub fn picture_request(&self, pixels_per_point: f32) -> Option<PictureRequest<'_>> {
+        let viewport = self.viewport.filter(|_| !self.is_gallery && self.snapshot.scene.is_some())?;
+        let pixels = |points: f32| (points * pixels_per_point).round().max(1.0) as u32;
+        Some(PictureRequest {
+            frame: &self.snapshot.frame,
+            camera: self.look.camera,
+            view: self.look.view(pixels_per_point),
+            size_px: [pixels(viewport.width()), pixels(viewport.height())],
+        })
+    }
+
+    /// Upper left corner of the picture in the window, pixels; `None` when there is no picture.
+    #[must_use]
+    pub fn picture_corner_px(&self, pixels_per_point: f32) -> Option<[u32; 2]> {
+        let viewport = self.viewport.filter(|_| !self.is_gallery && self.snapshot.scene.is_some())?;
+        Some([viewport.left(), viewport.top()].map(|at| (at * pixels_per_point).round().max(0.0) as u32))
+    }
+
+    /// The next thumbnail to draw, if the gallery is open.
+    pub fn next_sketch(&mut self) -> Option<&Sketch> {
+        if !self.is_gallery {
+            return None;
+        }
+        while let Some(sketch) = self.sketcher.next() {
+            self.sketches.push(sketch);
+        }
+        let next = self.sketches.get(self.sketches_drawn)?;
+        self.sketches_drawn += 1;
+        Some(next)
+    }
+
+    /// Has the thumbnails drawn again, in other light or on another device.
+    pub fn redraw_thumbnails(&mut self) {
+        self.sketches_drawn = 0;
+    }
+
+    fn take_news(&mut self) {
+        let Some(latest) = self.simulation.latest() else { return };
+        if Arc::ptr_eq(&latest, &self.snapshot) {
+            return;
+        }
+        let before = std::mem::replace(&mut self.snapshot, latest);
+        let snapshot = self.snapshot.clone();
+        if let Some(base) = snapshot.base.as_ref().filter(|_| snapshot.opened != before.opened) {
+            self.edits = Edits::of(base);
+            self.look.open(&snapshot);
+        }
+        if snapshot.built != before.built {
+            self.look.forget_range();
+        }
+        if let Some(contact) = snapshot.contact.as_ref().filter(|_| !self.is_waiting()) {
+            // Dropped bodies come with friction of their own.
+            self.edits.contact = contact.clone();
+        }
+        if snapshot.scene.is_none() && !self.is_waiting() {
+            self.is_gallery = true;
+        }
+        self.look.take_in(&snapshot.frame);
+    }
+
+    fn aspect(&self) -> f32 {
+        self.viewport.map_or(16.0 / 9.0, |rect| rect.width() / rect.height().max(1.0))
+    }
+
+    fn act(&mut self, action: Action) {
+        let aspect = self.aspect();
+        match action {
+            Action::Open(scene) => self.open(&scene, &[]),
+            Action::ShowGallery(is_shown) => self.show_gallery(is_shown),
+            Action::TogglePlay => {
+                let command = if self.snapshot.is_playing { Command::Pause } else { Command::Play };
+                self.simulation.send(command);
+            }
+            Action::Step => self.simulation.send(Command::Step),
+            Action::Reset => self.reset(),
+            Action::SetSpeed(speed) => self.simulation.send(Command::SetSpeed(speed)),
+            Action::Drop(kind) => self.simulation.send(Command::Drop(kind)),
+            Action::ContactEdited => {
+                self.simulation.send(Command::SetContact(self.edits.contact.clone()));
+            }
+            Action::FrameAll => self.look.frame_all(&self.snapshot.frame, aspect),
+            Action::LookFrom(view) => self.look.look_from(view, &self.snapshot.frame, aspect),
+            Action::ColorsEdited => {
+                self.look.forget_range();
+                self.look.take_in(&self.snapshot.frame);
+            }
+            Action::ToggleWireframe => self.look.wireframe = !self.look.wireframe,
+            Action::ToggleDark => {
+                self.look.is_dark = !self.look.is_dark;
+                self.redraw_thumbnails();
+            }
+            Action::ToggleHelp => self.panels.help = !self.panels.help,
+            Action::DismissNotice => {
+                self.dismissed = self.snapshot.notice.as_ref().map_or(0, |notice| notice.number);
+            }
+        }
+    }
+
+    fn show_gallery(&mut self, is_shown: bool) {
+        self.is_gallery = is_shown || self.snapshot.scene.is_none();
+        if self.is_gallery && self.snapshot.is_playing {
+            self.simulation.send(Command::Pause);
+        }
+    }
+
+    fn reset(&mut self) {
+        if let Some(base) = &self.snapshot.base {
+            self.simulation.send(Command::Reset { overrides: self.edits.overrides(base) });
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Values that the user has changed, and how they come into the scene.
+
+use crate::scene::Scene;
+use crate::sim::{ContactParameters, Material};
+
+/// Changed materials and contact of the open scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Edits {
+    /// The materials as the sliders show them.
+    pub materials: Vec<Material>,
+    /// Contact as the sliders show it; acts at once.
+    pub contact: ContactParameters,
+}
+
+impl Edits {
+    /// No changes yet.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        Self { materials: used_materials(scene), contact: scene.setup.contact.clone() }
+    }
+
+    /// The overrides that bring the materials of `base` to what the sliders show.
+    #[must_use]
+    pub fn overrides(&self, base: &Scene) -> Vec<String> {
+        let mut overrides = Vec::new();
+        for material in &self.materials {
+            let Some(before) = base.description.materials.iter().find(|m| m.name == material.name) else {
+                continue;
+            };
+            let values = keyed_values(material).into_iter().zip(keyed_values(before));
+            for ((key, now), (_, then)) in values.filter(|((_, now), (_, then))| now != then) {
+                debug_assert!(now.is_finite() && then.is_finite());
+                overrides.push(format!("materials.{}.{key}={now:e}", material.name));
+            }
+        }
+        overrides
+    }
+
+    /// Whether the running scene still has other materials than the sliders show.
+    #[must_use]
+    pub fn wait_for_reset(&self, running: &Scene) -> bool {
+        let differs = |edited: &Material| {
+            let now = running.description.materials.iter().find(|m| m.name == edited.name);
+            now.is_some_and(|now| keyed_values(now) != keyed_values(edited))
+        };
+        self.materials.iter().any(differs)
+    }
+}
+
+/// The materials of bodies that deform; those of others have no say.
+fn used_materials(scene: &Scene) -> Vec<Material> {
+    let is_used = |material: &&Material| {
+        scene.setup.bodies.iter().any(|body| {
+            matches!(body.motion, crate::sim::BodyMotion::Deformable(_))
+                && body.materials.iter().any(|m| m.name == material.name)
+        })
+    };
+    scene.description.materials.iter().filter(is_used).cloned().collect()
+}
+
+/// The values that sliders change, with their keys in scene files.
+fn keyed_values(material: &Material) -> [(&'static str, f64); 4] {
+    [
+        ("youngs_modulus", material.youngs_modulus_pa),
+        ("poisson_ratio", material.poisson_ratio),
+        ("density", material.density_kg_m3),
+        ("damping", material.damping_per_s),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_was_changed_becomes_an_override() {
+        let scene = Scene::load("hammer-ground", &[]).unwrap();
+        let mut edits = Edits::of(&scene);
+        assert!(edits.overrides(&scene).is_empty() && !edits.wait_for_reset(&scene));
+        edits.materials[0].youngs_modulus_pa = 2.5e6;
+        let name = edits.materials[0].name.clone();
+        let overrides = edits.overrides(&scene);
+        assert_eq!(overrides, [format!("materials.{name}.youngs_modulus=2.5e6")]);
+        assert!(edits.wait_for_reset(&scene));
+        let changed = scene.with_overrides(&overrides).unwrap();
+        assert!(!edits.wait_for_reset(&changed));
+    }
+
+    #[test]
+    fn every_scene_takes_the_overrides_of_its_materials() {
+        for builtin in crate::scene::BUILTIN_SCENES {
+            let scene = Scene::load(builtin.name, &[]).unwrap();
+            let mut edits = Edits::of(&scene);
+            assert!(!edits.materials.is_empty(), "{}", builtin.name);
+            for material in &mut edits.materials {
+                material.density_kg_m3 *= 1.25;
+                material.poisson_ratio = 0.21;
+                material.damping_per_s += 1.0;
+            }
+            let changed = scene.with_overrides(&edits.overrides(&scene));
+            assert!(!edits.wait_for_reset(&changed.unwrap()), "{}", builtin.name);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! How the scene is shown: colours, range, light, camera, floor.
+
+use super::orbit::{self, MouseInput};
+use super::scene_camera::opening_camera;
+use super::session::Snapshot;
+use crate::frame::Frame;
+use crate::render::{Background, Camera, ColorBy, Framing, Ground, NamedView, Range, View};
+
+/// What the user chose about the picture, and what was derived from the scene for it.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// Meaning of the colours.
+    pub color_by: ColorBy,
+    /// Whether the elements' edges are drawn.
+    pub wireframe: bool,
+    /// Dark surroundings, of the picture and the panels.
+    pub is_dark: bool,
+    /// The camera.
+    pub camera: Camera,
+    /// Range of the colour map: grows with what was seen, so that colours do not flicker.
+    range: Option<Range>,
+    ground: Ground,
+    /// A new scene waits for its camera until the view's shape is known.
+    wants_opening_camera: bool,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            color_by: ColorBy::default(),
+            wireframe: false,
+            is_dark: false,
+            camera: Camera::default(),
+            range: None,
+            ground: Ground::Auto,
+            wants_opening_camera: false,
+        }
+    }
+}
+
+impl Look {
+    /// A new scene was opened: its colours, floor and camera.
+    pub fn open(&mut self, snapshot: &Snapshot) {
+        let framing = Framing::of(&snapshot.frame);
+        self.ground = framing.floor().map_or(Ground::Hidden, Ground::At);
+        if let Some(scene) = &snapshot.scene {
+            self.color_by = scene.description.recording.color_by.name().parse().unwrap_or_default();
+        }
+        self.forget_range();
+        self.wants_opening_camera = true;
+    }
+
+    /// Takes the colours' range from the next frame on anew.
+    pub fn forget_range(&mut self) {
+        self.range = None;
+    }
+
+    /// Makes the colours' range cover a frame.
+    pub fn take_in(&mut self, frame: &Frame) {
+        if self.color_by.has_values() {
+            let now = Range::of_frame(frame, self.color_by);
+            // Before anything has happened there is nothing to keep: the range of nothing is 1.
+            let is_nothing = frame.status.steps == 0;
+            self.range = Some(self.range.filter(|_| !is_nothing).map_or(now, |range| range.union(now)));
+        }
+    }
+
+    /// Gives a newly opened scene its camera, now that the view's width over height is known.
+    pub fn settle(&mut self, snapshot: &Snapshot, aspect: f32) {
+        let Some(scene) = snapshot.scene.as_ref().filter(|_| self.wants_opening_camera) else { return };
+        self.wants_opening_camera = false;
+        self.camera = opening_camera(&scene.description, &Framing::of(&snapshot.frame), aspect);
+    }
+
+    /// Shows everything, from where the camera looks.
+    pub fn frame_all(&mut self, frame: &Frame, aspect: f32) {
+        Framing::of(frame).fit(&mut self.camera, aspect);
+    }
+
+    /// Shows everything, from a named direction.
+    pub fn look_from(&mut self, view: NamedView, frame: &Frame, aspect: f32) {
+        self.camera.look_from(view);
+        self.frame_all(frame, aspect);
+    }
+
+    /// Moves the camera as the mouse did over a view of the given height in points.
+    pub fn move_camera(&mut self, input: &MouseInput, height: f32) {
+        orbit::apply(&mut self.camera, input, height);
+    }
+
+    /// The view for the renderer.
+    #[must_use]
+    pub fn view(&self, pixels_per_point: f32) -> View {
+        View {
+            color_by: self.color_by,
+            range: self.range,
+            wireframe: self.wireframe,
+            ground: self.ground,
+            background: if self.is_dark { Background::Dark } else { Background::Light },
+            pixels_per_point,
+            ..View::default()
+        }
+    }
+}

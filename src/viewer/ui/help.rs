@@ -1,0 +1,42 @@
+//! Keys and mouse.
+
+use super::keys::KEYS;
+use egui::{Align2, Context, Grid, RichText, Ui, Window};
+
+const MOUSE: [(&str, &str); 5] = [
+    ("Left drag", "turn"),
+    ("Right or middle drag", "move"),
+    ("Wheel", "come closer, go back"),
+    ("Double click", "show everything"),
+    ("Drop a file", "open a scene"),
+];
+
+/// Shows the window if it is open.
+pub fn show(context: &Context, is_open: &mut bool) {
+    if !*is_open {
+        return;
+    }
+    Window::new("Keys and mouse")
+        .open(is_open)
+        .title_frame(egui::Frame::new().inner_margin(egui::Margin::symmetric(14, 10)))
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
+        .show(context, |ui| {
+            table(ui, "keys", &KEYS);
+            ui.add_space(10.0);
+            table(ui, "mouse", &MOUSE);
+            ui.add_space(10.0);
+            ui.weak("Values with a unit can be typed: click on them and write, for example, 2.5 GPa.");
+        });
+}
+
+fn table(ui: &mut Ui, id: &str, rows: &[(&str, &str)]) {
+    Grid::new(id).num_columns(2).spacing([18.0, 6.0]).show(ui, |ui| {
+        for (what, does) in rows {
+            ui.label(RichText::new(*what).strong());
+            ui.label(*does);
+            ui.end_row();
+        }
+    });
+}

@@ -1,0 +1,76 @@
+//! The panel at the right: what is shown, and the plots.
+
+use super::{Action, plots, widgets};
+use crate::render::{ColorBy, NamedView};
+use crate::viewer::app::App;
+use egui::{ComboBox, Ui};
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    widgets::side_scroll().show(ui, |ui| {
+        widgets::section(ui, "View", |ui| view(ui, app, actions));
+        let history = app.snapshot.history.clone();
+        widgets::section(ui, "Energy", |ui| plots::energies(ui, &history));
+        widgets::section(ui, "Contact force", |ui| plots::contact_force(ui, &history));
+    });
+}
+
+fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    let look = &mut app.look;
+    let before = look.color_by;
+    row(ui, "Colour by", |ui| {
+        ComboBox::from_id_salt("colour by")
+            .width(ui.available_width())
+            .selected_text(before.label())
+            .show_ui(ui, |ui| {
+                for choice in ColorBy::ALL {
+                    ui.selectable_value(&mut look.color_by, choice, choice.label());
+                }
+            });
+    });
+    if look.color_by != before {
+        actions.push(Action::ColorsEdited);
+    }
+    row(ui, "Look from", |ui| {
+        ui.horizontal(|ui| {
+            let width = ui.available_width() - 62.0;
+            ComboBox::from_id_salt("look from")
+                .height(320.0)
+                .width(width)
+                .selected_text("Direction")
+                .show_ui(ui, |ui| {
+                    for (index, view) in NamedView::ALL.into_iter().enumerate() {
+                        if ui
+                            .selectable_label(false, format!("{}  {}", index + 1, view_label(view)))
+                            .clicked()
+                        {
+                            actions.push(Action::LookFrom(view));
+                        }
+                    }
+                });
+            if ui.button("Fit").on_hover_text("Show everything (F)").clicked() {
+                actions.push(Action::FrameAll);
+            }
+        });
+    });
+    ui.checkbox(&mut look.wireframe, "Edges of the elements").on_hover_text("Wireframe (W)");
+    if look.color_by.has_values() {
+        let hint = "The colours' range grows with what was seen; this fits it to the present moment";
+        if ui.button("Fit the colours to now").on_hover_text(hint).clicked() {
+            actions.push(Action::ColorsEdited);
+        }
+    }
+}
+
+fn row(ui: &mut Ui, label: &str, value: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| {
+        ui.add_sized([70.0, 20.0], egui::Label::new(label).halign(egui::Align::Min));
+        value(ui);
+    });
+}
+
+fn view_label(view: NamedView) -> String {
+    let name = view.name().replace('-', " ");
+    let mut letters = name.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}

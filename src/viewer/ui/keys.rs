@@ -1,0 +1,47 @@
+//! The keyboard.
+
+use super::Action;
+use crate::render::NamedView;
+use egui::{Context, Key, Modifiers};
+
+/// The keys with what they do, for the help.
+pub const KEYS: [(&str, &str); 9] = [
+    ("Space", "play or pause"),
+    (".", "one step"),
+    ("R", "back to the start, with the values on the sliders"),
+    ("F", "show everything"),
+    ("1 … 9", "look from: three-quarter, front, right, back, left, top, rear, low, high"),
+    ("W", "edges of the elements"),
+    ("G", "the scenes"),
+    ("F1", "this help"),
+    ("Esc", "close help or message"),
+];
+
+const DIGITS: [Key; 9] =
+    [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
+
+/// Reads the keys of this frame, unless somebody is typing.
+pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Vec<Action>) {
+    if context.egui_wants_keyboard_input() {
+        return;
+    }
+    let mut on = |key: Key, action: Action| {
+        if context.input_mut(|input| input.consume_key(Modifiers::NONE, key)) {
+            actions.push(action);
+        }
+    };
+    on(Key::F1, Action::ToggleHelp);
+    on(Key::Escape, if is_help { Action::ToggleHelp } else { Action::DismissNotice });
+    on(Key::G, Action::ShowGallery(!is_gallery));
+    if is_gallery {
+        return;
+    }
+    on(Key::Space, Action::TogglePlay);
+    on(Key::Period, Action::Step);
+    on(Key::R, Action::Reset);
+    on(Key::F, Action::FrameAll);
+    on(Key::W, Action::ToggleWireframe);
+    for (key, view) in DIGITS.into_iter().zip(NamedView::ALL) {
+        on(key, Action::LookFrom(view));
+    }
+}

@@ -1,0 +1,87 @@
+//! The panels: functions over `&mut Ui` and the state they show. What was asked for comes back as [`Action`]s.
+
+mod banner;
+mod contact;
+mod gallery;
+mod help;
+mod icons;
+mod inspector;
+pub mod keys;
+mod materials;
+mod parameters;
+mod plots;
+mod status;
+pub mod style;
+mod toolbar;
+mod viewport;
+mod widgets;
+
+use super::app::App;
+use super::drop_body::DropKind;
+use crate::render::NamedView;
+use egui::{Panel, Ui};
+
+/// Width of the panels at the sides, points.
+const SIDE_WIDTH: f32 = 264.0;
+
+/// Something a button or a key asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Open a scene by name or path.
+    Open(String),
+    /// Show or leave the gallery.
+    ShowGallery(bool),
+    /// Play or pause.
+    TogglePlay,
+    /// One step.
+    Step,
+    /// Back to the start, with the values on the sliders.
+    Reset,
+    /// Simulated seconds a second.
+    SetSpeed(f64),
+    /// Drop a body.
+    Drop(DropKind),
+    /// Contact was changed on a slider.
+    ContactEdited,
+    /// Show everything.
+    FrameAll,
+    /// Look from a named direction.
+    LookFrom(NamedView),
+    /// What surfaces are coloured by was changed.
+    ColorsEdited,
+    /// Edges of the elements on or off.
+    ToggleWireframe,
+    /// Light or dark.
+    ToggleDark,
+    /// Keys and mouse.
+    ToggleHelp,
+    /// Close the message.
+    DismissNotice,
+}
+
+/// Lays out the whole window.
+pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    Panel::top("toolbar").frame(style::bar_frame()).show(ui, |ui| toolbar::show(ui, app, actions));
+    if app.is_gallery {
+        egui::CentralPanel::no_frame()
+            .frame(style::gallery_frame())
+            .show(ui, |ui| gallery::show(ui, app, actions));
+        banner::show(ui.ctx(), app, actions);
+    } else {
+        show_scene(ui, app, actions);
+    }
+    help::show(ui.ctx(), &mut app.panels.help);
+}
+
+fn show_scene(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    Panel::bottom("status").frame(style::bar_frame()).show(ui, |ui| status::show(ui, &app.snapshot));
+    let frame = style::side_frame();
+    let side = |panel: Panel| panel.frame(frame).resizable(false).exact_size(SIDE_WIDTH);
+    if app.panels.parameters {
+        side(Panel::left("parameters")).show(ui, |ui| parameters::show(ui, app, actions));
+    }
+    if app.panels.inspector {
+        side(Panel::right("inspector")).show(ui, |ui| inspector::show(ui, app, actions));
+    }
+    egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(ui, app, actions));
+}

@@ -1,0 +1,49 @@
+//! The panel at the left: dropping bodies, contact, materials.
+
+use super::{Action, contact, materials, widgets};
+use crate::viewer::app::App;
+use crate::viewer::drop_body::DropKind;
+use egui::{Button, Ui};
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    let Some(running) = app.snapshot.scene.clone() else { return };
+    let is_waiting = app.edits.wait_for_reset(&running);
+    if is_waiting {
+        let frame = egui::Frame::new().inner_margin(egui::Margin { right: 10, ..egui::Margin::ZERO });
+        egui::Panel::bottom("apply").frame(frame).show_separator_line(false).show(ui, |ui| {
+            ui.add_space(6.0);
+            ui.vertical_centered_justified(|ui| {
+                if widgets::primary_button(ui, "Reset to apply the materials  (R)").clicked() {
+                    actions.push(Action::Reset);
+                }
+            });
+        });
+    }
+    widgets::side_scroll().show(ui, |ui| {
+        widgets::section(ui, "Drop into the scene", |ui| drop_buttons(ui, app, actions));
+        widgets::section(ui, "Contact", |ui| {
+            if contact::show(ui, &mut app.edits.contact, &app.snapshot) {
+                actions.push(Action::ContactEdited);
+            }
+        });
+        let base = app.snapshot.base.clone();
+        widgets::section(ui, "Materials", |ui| {
+            materials::show(ui, &mut app.edits.materials, base.as_deref())
+        });
+    });
+}
+
+fn drop_buttons(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+    ui.add_enabled_ui(app.snapshot.run_error.is_none(), |ui| {
+        ui.columns_const(|columns: &mut [Ui; 3]| {
+            for (ui, kind) in columns.iter_mut().zip(DropKind::ALL) {
+                let size = [ui.available_width(), 30.0];
+                let hint = format!("Drop a {} from above the middle", kind.label().to_lowercase());
+                if ui.add_sized(size, Button::new(kind.label())).on_hover_text(hint).clicked() {
+                    actions.push(Action::Drop(kind));
+                }
+            }
+        });
+    });
+}

@@ -1,0 +1,203 @@
+//! Balances over time.
+
+use super::icons;
+use super::widgets::measured;
+use crate::viewer::history::{History, Row};
+use egui::{Color32, RichText, Ui};
+use egui_plot::{GridMark, HoverPosition, Line, LineStyle, Plot};
+
+const HEIGHT: f32 = 150.0;
+/// More points than the panel has pixels only cost time.
+const MOST_POINTS: usize = 300;
+
+/// One curve.
+struct Curve {
+    name: &'static str,
+    hint: &'static str,
+    color: Color32,
+    is_dashed: bool,
+    value: fn(&Row) -> f64,
+}
+
+const ENERGIES: [Curve; 5] = [
+    Curve {
+        name: "Kinetic",
+        hint: "Energy of motion",
+        color: Color32::from_rgb(0x3b, 0x82, 0xd6),
+        is_dashed: false,
+        value: |row| row.kinetic_j,
+    },
+    Curve {
+        name: "Strain",
+        hint: "Elastic energy of deformation",
+        color: Color32::from_rgb(0xe0, 0x7b, 0x39),
+        is_dashed: false,
+        value: |row| row.strain_j,
+    },
+    Curve {
+        name: "Potential",
+        hint: "Of gravity, relative to the start",
+        color: Color32::from_rgb(0x4f, 0xa3, 0x5f),
+        is_dashed: false,
+        value: |row| row.potential_j,
+    },
+    Curve {
+        name: "Dissipated",
+        hint: "Taken by damping, friction, plastic impact and dropped vibration",
+        color: Color32::from_rgb(0xb0, 0x5c, 0x9e),
+        is_dashed: false,
+        value: |row| row.dissipated_j,
+    },
+    Curve {
+        name: "Sum",
+        hint: "All of them less the work done from outside: constant when the balance holds",
+        color: Color32::from_gray(0x88),
+        is_dashed: true,
+        value: |row| row.sum_j,
+    },
+];
+
+const FORCE: Curve = Curve {
+    name: "Contact force",
+    hint: "Sum of the lengths of all contact forces",
+    color: Color32::from_rgb(0xd0, 0x4a, 0x4a),
+    is_dashed: false,
+    value: |row| row.contact_force_n,
+};
+
+/// Energies and their sum.
+pub fn energies(ui: &mut Ui, history: &History) {
+    plot(ui, "energies", "J", &ENERGIES, history.rows());
+    legend(ui, "J", &ENERGIES, history.rows());
+}
+
+/// The contact force.
+pub fn contact_force(ui: &mut Ui, history: &History) {
+    plot(ui, "contact force", "N", &[FORCE], history.rows());
+    legend(ui, "N", &[FORCE], history.rows());
+}
+
+fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row]) {
+    let label = move |position: &HoverPosition<'_>| match position {
+        HoverPosition::NearDataPoint { plot_name, position, .. } => {
+            Some(format!("{plot_name} {}\nat {}", measured(position.y, unit), measured(position.x, "s")))
+        }
+        HoverPosition::Elsewhere { .. } => None,
+    };
+    let grid_color = ui.visuals().widgets.noninteractive.bg_stroke.color;
+    Plot::new(id)
+        .height(HEIGHT)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .show_crosshair(false)
+        .grid_color(grid_color)
+        .grid_spacing(egui::Rangef::new(10.0, 40.0))
+        .x_grid_spacer(|grid| marks(grid.bounds, 2.4))
+        .y_grid_spacer(|grid| marks(grid.bounds, 5.0))
+        .y_axis_min_width(48.0)
+        .set_margin_fraction(egui::vec2(0.1, 0.06))
+        .include_y(0.0)
+        .include_x(0.0)
+        .include_x(if is_flat(rows, |row| row.time_s) { 1e-3 } else { 0.0 })
+        .include_y(if curves.iter().all(|curve| is_flat(rows, curve.value)) { 1.0 } else { 0.0 })
+        .x_axis_formatter(|mark, range| {
+            // A label at the very end would stick out of the panel.
+            let is_last = range.end() - mark.value < 0.1 * (range.end() - range.start());
+            if is_last { String::new() } else { tick(mark.value, "s") }
+        })
+        .y_axis_formatter(move |mark, _| tick(mark.value, unit))
+        .label_formatter(label)
+        .show(ui, |plot| {
+            for curve in curves {
+                let style =
+                    if curve.is_dashed { LineStyle::Dashed { length: 6.0 } } else { LineStyle::Solid };
+                plot.line(
+                    Line::new(curve.name, points(rows, curve.value))
+                        .color(curve.color)
+                        .width(1.6)
+                        .style(style),
+                );
+            }
+        });
+}
+
+/// Whether there is nothing but zeros, so that the axis needs some other end.
+fn is_flat(rows: &[Row], value: fn(&Row) -> f64) -> bool {
+    rows.iter().all(|row| value(row) == 0.0)
+}
+
+/// Marks at round values, about `count` of them.
+fn marks((low, high): (f64, f64), count: f64) -> Vec<GridMark> {
+    let rough = (high - low) / count;
+    if !(rough.is_finite() && rough > 0.0) {
+        return Vec::new();
+    }
+    let decade = 10f64.powf(rough.log10().floor());
+    let lead = [1.0, 2.0, 5.0, 10.0].into_iter().find(|lead| lead * decade >= 0.999 * rough).unwrap_or(10.0);
+    let step_size = lead * decade;
+    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
+    (first..=last).map(|number| GridMark { value: number as f64 * step_size, step_size }).collect()
+}
+
+fn tick(value: f64, unit: &str) -> String {
+    if value == 0.0 { "0".to_owned() } else { measured(value, unit) }
+}
+
+/// Points of a curve, of each group of rows the one largest in size, so that no peak is lost.
+fn points(rows: &[Row], value: fn(&Row) -> f64) -> Vec<[f64; 2]> {
+    let group = rows.len().div_ceil(MOST_POINTS).max(1);
+    let largest = |rows: &[Row]| {
+        let row = rows.iter().max_by(|a, b| value(a).abs().total_cmp(&value(b).abs()))?;
+        Some([row.time_s, value(row)])
+    };
+    rows.chunks(group).filter_map(largest).collect()
+}
+
+/// Names and present values, two in a row.
+fn legend(ui: &mut Ui, unit: &str, curves: &[Curve], rows: &[Row]) {
+    let last = rows.last().copied().unwrap_or_default();
+    egui::Grid::new(("legend", unit)).num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+        for (index, curve) in curves.iter().enumerate() {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                icons::swatch(ui, curve.color);
+                let text = format!("{} {}", curve.name, measured((curve.value)(&last), unit));
+                ui.label(RichText::new(text).small()).on_hover_text(curve.hint);
+            });
+            if index % 2 == 1 {
+                ui.end_row();
+            }
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_few_and_round() {
+        let values = |bounds| marks(bounds, 3.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
+        assert_eq!(values((0.0, 10.0)), [0.0, 5.0, 10.0]);
+        assert_eq!(values((-2.5, 3.1)), [-2.0, 0.0, 2.0]);
+        assert!(values((1.0, 1.0)).is_empty() && values((0.0, f64::NAN)).is_empty());
+    }
+
+    #[test]
+    fn thinning_keeps_the_peak() {
+        let rows: Vec<Row> = (0..2000)
+            .map(|i| Row {
+                time_s: f64::from(i),
+                contact_force_n: if i == 777 { -50.0 } else { 1.0 },
+                ..Row::default()
+            })
+            .collect();
+        let points = points(&rows, |row| row.contact_force_n);
+        assert!(points.len() <= MOST_POINTS);
+        assert!(points.contains(&[777.0, -50.0]));
+        assert!(points.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+    }
+}

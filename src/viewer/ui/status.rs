@@ -1,0 +1,45 @@
+//! The line at the bottom: where the run stands.
+
+use super::toolbar::speed_text;
+use super::widgets::measured;
+use crate::viewer::session::Snapshot;
+use egui::{RichText, Ui};
+
+/// Shows the line.
+pub fn show(ui: &mut Ui, snapshot: &Snapshot) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 14.0;
+        for (label, value, hint) in values(snapshot) {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                ui.label(RichText::new(label).small().weak()).on_hover_text(hint);
+                ui.label(RichText::new(value).small().strong()).on_hover_text(hint);
+            });
+        }
+    });
+}
+
+fn values(snapshot: &Snapshot) -> Vec<(&'static str, String, &'static str)> {
+    let status = &snapshot.frame.status;
+    let speed = match snapshot.real_time_factor {
+        Some(factor) if factor > 0.0 => speed_text(factor),
+        _ if snapshot.is_playing => "…".to_owned(),
+        _ => "paused".to_owned(),
+    };
+    let step =
+        if snapshot.stable_step_s.is_finite() { measured(snapshot.stable_step_s, "s") } else { "—".into() };
+    let mut values = vec![
+        ("t", measured(snapshot.frame.time_s, "s"), "Simulated time"),
+        ("real-time factor", speed, "Simulated time over time on the wall, over the last second"),
+        ("stage", status.stage.clone(), "What the last step did"),
+        ("elements", status.elements.to_string(), "Tetrahedra of the bodies that deform"),
+        ("contacts", status.contact_pairs.to_string(), "Pairs of features that press on each other"),
+        ("fragments", status.fragments.to_string(), "Connected pieces of the bodies that deform"),
+        ("stable step", step, "Elastic step of the slowest body"),
+        ("steps", status.steps.to_string(), "Steps since the start"),
+    ];
+    if status.sleeping_bodies > 0 {
+        values.push(("asleep", status.sleeping_bodies.to_string(), "Bodies at rest, which cost nothing"));
+    }
+    values
+}

@@ -1,0 +1,197 @@
+//! Small pieces that several panels share.
+
+use super::style;
+use crate::render::{short, with_unit};
+use egui::{CollapsingHeader, Color32, DragValue, Response, RichText, ScrollArea, Slider, Ui};
+use std::ops::RangeInclusive;
+
+/// A value on a slider.
+pub struct Parameter {
+    /// What it is.
+    pub label: &'static str,
+    /// Its unit; empty for pure numbers.
+    pub unit: &'static str,
+    /// What it does, as a hint.
+    pub hint: &'static str,
+    /// Range of the slider; typing may go no further.
+    pub range: RangeInclusive<f64>,
+    /// Whether equal ways on the slider are equal factors.
+    pub is_logarithmic: bool,
+}
+
+impl Parameter {
+    /// Shows the value with its unit above a slider; returns whether it was changed.
+    pub fn show(&self, ui: &mut Ui, value: &mut f64) -> bool {
+        let before = *value;
+        ui.scope(|ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            ui.horizontal(|ui| {
+                ui.label(self.label).on_hover_text(self.hint);
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| self.typed(ui, value));
+            });
+            ui.spacing_mut().slider_width = ui.available_width();
+            let slider = Slider::new(value, self.range.clone()).logarithmic(self.is_logarithmic);
+            let smallest = (self.range.end() * 1e-6).max(*self.range.start());
+            ui.add(slider.smallest_positive(smallest).show_value(false)).on_hover_text(self.hint);
+        });
+        // Three digits are all that a slider can tell apart.
+        if *value != before {
+            *value = rounded(*value);
+        }
+        *value != before
+    }
+
+    fn typed(&self, ui: &mut Ui, value: &mut f64) {
+        let unit = self.unit;
+        let speed = if self.is_logarithmic { value.abs().max(1e-12) * 0.01 } else { 0.002 };
+        let number = DragValue::new(value)
+            .range(self.range.clone())
+            .speed(speed)
+            .custom_formatter(move |value, _| with_its_unit(value, unit))
+            .custom_parser(move |text| parse_with_unit(text, unit));
+        ui.add(number).on_hover_text("Drag, or click and type");
+    }
+}
+
+/// A measured value with its unit, short whatever its size: a run that blows up must not blow up the panels.
+#[must_use]
+pub fn measured(value: f64, unit: &str) -> String {
+    let is_usual = value == 0.0 || (1e-12..1e15).contains(&value.abs());
+    if is_usual { with_unit(value, unit) } else { format!("{value:.1e} {unit}") }
+}
+
+/// A value as people write it: kilograms and rates take no further prefix.
+fn with_its_unit(value: f64, unit: &str) -> String {
+    match unit {
+        "" => short(value),
+        _ if unit.starts_with("kg") || unit.starts_with("1/") => format!("{} {unit}", short(value)),
+        _ => with_unit(value, unit),
+    }
+}
+
+/// Rounds to four digits.
+fn rounded(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let scale = 10f64.powf(3.0 - value.abs().log10().floor());
+    let result = (value * scale).round() / scale;
+    if result.is_finite() { result } else { value }
+}
+
+/// Reads `15e6`, `15 M`, `15 MPa` or `15 µs`.
+pub fn parse_with_unit(text: &str, unit: &str) -> Option<f64> {
+    const PREFIXES: [(&str, f64); 10] = [
+        ("T", 1e12),
+        ("G", 1e9),
+        ("M", 1e6),
+        ("k", 1e3),
+        ("m", 1e-3),
+        ("µ", 1e-6),
+        ("μ", 1e-6),
+        ("u", 1e-6),
+        ("n", 1e-9),
+        ("", 1.0),
+    ];
+    let text = text.trim().replace('−', "-").replace(',', ".");
+    let bare = text.strip_suffix(unit).unwrap_or(&text).trim_end();
+    PREFIXES.into_iter().find_map(|(prefix, factor)| {
+        let number = bare.strip_suffix(prefix)?.trim_end().parse::<f64>().ok()?;
+        Some(number * factor).filter(|value| value.is_finite())
+    })
+}
+
+/// The scrolled inside of a panel at the side; its bar has a margin of its own.
+pub fn side_scroll() -> ScrollArea {
+    let bar = egui::Margin { right: 10, ..egui::Margin::ZERO };
+    ScrollArea::vertical().auto_shrink(false).content_margin(bar)
+}
+
+/// A section that can be folded.
+pub fn section(ui: &mut Ui, title: &str, body: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
+        ui.add_space(2.0);
+        body(ui);
+        ui.add_space(8.0);
+    });
+}
+
+/// When changes act.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acts {
+    /// From the next step on.
+    AtOnce,
+    /// After a reset.
+    OnReset,
+}
+
+/// Says when changes act.
+pub fn badge(ui: &mut Ui, acts: Acts) -> Response {
+    let (text, hint) = match acts {
+        Acts::AtOnce => ("acts at once", "Changes act from the next step on"),
+        Acts::OnReset => ("acts on reset", "Changes act when the scene starts anew: press R"),
+    };
+    pill(ui, text, ui.visuals().faint_bg_color, ui.visuals().weak_text_color()).on_hover_text(hint)
+}
+
+/// Small text on a rounded background.
+pub fn pill(ui: &mut Ui, text: &str, background: Color32, color: Color32) -> Response {
+    let frame =
+        egui::Frame::new().fill(background).corner_radius(8).inner_margin(egui::Margin::symmetric(7, 1));
+    frame.show(ui, |ui| ui.label(RichText::new(text).small().color(color))).response
+}
+
+/// A button that asks to be pressed.
+pub fn primary_button(ui: &mut Ui, text: &str) -> Response {
+    let button = egui::Button::new(RichText::new(text).color(Color32::WHITE)).fill(style::accent());
+    ui.add(button)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn typed_values_may_have_prefix_and_unit() {
+        let cases = [
+            ("15e6", 15e6),
+            ("15 MPa", 15e6),
+            ("15M", 15e6),
+            ("2,5 GPa", 2.5e9),
+            ("200 kPa", 200e3),
+            ("12 Pa", 12.0),
+            ("0", 0.0),
+        ];
+        for (text, value) in cases {
+            assert_eq!(parse_with_unit(text, "Pa"), Some(value), "{text}");
+        }
+        assert_eq!(parse_with_unit("3 m", "m"), Some(3.0));
+        assert_eq!(parse_with_unit("3 mm", "m"), Some(3e-3));
+        assert_eq!(parse_with_unit("0.3", ""), Some(0.3));
+        for text in ["", "Pa", "x", "1 2", "inf"] {
+            assert_eq!(parse_with_unit(text, "Pa"), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_shown_can_be_typed_back() {
+        for value in [1.5e7, 210e9, 0.6e6, 7850.0, 0.0] {
+            assert_eq!(parse_with_unit(&with_unit(value, "Pa"), "Pa"), Some(value));
+        }
+    }
+
+    #[test]
+    fn measured_values_stay_short() {
+        for value in [0.0, -1.2345e-5, 9.99e14, 2.3e180, -f64::MAX, 1e-300, f64::INFINITY, f64::NAN] {
+            let text = measured(value, "J");
+            assert!(text.chars().count() <= 12, "{text}");
+        }
+    }
+
+    #[test]
+    fn sliders_leave_four_digits() {
+        assert_eq!(rounded(123_456.789), 123_500.0);
+        assert_eq!(rounded(-0.001_234_56), -0.001_235);
+        assert_eq!(rounded(0.0), 0.0);
+    }
+}
