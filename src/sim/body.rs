@@ -78,6 +78,10 @@ pub(super) struct Elasticity {
     pub stiffness_damping_s: f64,
     pub strain_energy_j: f64,
     pub max_strain: f64,
+    /// Factor on the critical step for large strain, held over many steps (see `Body::hold_step_factor`).
+    pub step_factor: f64,
+    /// Steps since a smaller factor was last needed.
+    pub steps_held: u32,
     pub mass_scaling: MassScaling,
     /// Largest angle by which the frame advanced by dynamics missed the best fit in one step, summed, rad.
     pub frame_drift_rad: f64,
@@ -409,6 +413,8 @@ fn build_elasticity(setup: &BodySetup) -> Result<(Option<Elasticity>, Vec<f64>),
         scratch: ForceScratch::default(),
         strain_energy_j: 0.0,
         max_strain: 0.0,
+        step_factor: 1.0,
+        steps_held: 0,
         mass_scaling,
         frame_drift_rad: 0.0,
     };

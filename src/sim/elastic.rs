@@ -15,6 +15,10 @@ use rayon::prelude::*;
 /// Bodies with fewer nodes are not worth a second thread in node loops.
 const PARALLEL_NODES: usize = 8192;
 const CHUNK: usize = 2048;
+/// Ratio between the stages of the step's factor for large strain.
+const STEP_STAGE: f64 = 0.8;
+/// Steps for which a longer step must have been possible before the step grows by one stage.
+const STEP_HELD: u32 = 2000;
 
 /// What the world is like for a body in a step.
 #[derive(Clone, Copy, Debug)]
@@ -29,11 +33,34 @@ impl Body {
     /// stiffness.
     pub fn stable_step_s(&self) -> f64 {
         let Some(elasticity) = &self.elasticity else { return f64::INFINITY };
-        let mut step_s = elasticity.critical_step_s;
-        if elasticity.kinematics == Kinematics::Green {
-            step_s *= elasticity.elements.green_step_factor(elasticity.max_strain);
-        }
+        let step_s = elasticity.critical_step_s * elasticity.step_factor;
         crate::fem::damped_step_s(step_s, elasticity.stiffness_damping_s)
+    }
+
+    /// Follows the strain with the step, in few and lasting stages.
+    ///
+    /// A step that swings with the vibration of the body is a parametric excitation: central differences were
+    /// seen to blow up at half the stability limit when it followed every change of the largest strain.
+    fn hold_step_factor(&mut self) {
+        let Some(elasticity) = &mut self.elasticity else { return };
+        if elasticity.kinematics != Kinematics::Green {
+            return;
+        }
+        let needed = elasticity.elements.green_step_factor(elasticity.max_strain);
+        let stage = needed.log(STEP_STAGE).ceil();
+        let wanted = STEP_STAGE.powf(stage);
+        if wanted < elasticity.step_factor {
+            elasticity.step_factor = wanted;
+            elasticity.steps_held = 0;
+        } else if wanted > elasticity.step_factor {
+            elasticity.steps_held += 1;
+            if elasticity.steps_held >= STEP_HELD {
+                elasticity.step_factor = (elasticity.step_factor / STEP_STAGE).min(1.0);
+                elasticity.steps_held = 0;
+            }
+        } else {
+            elasticity.steps_held = 0;
+        }
     }
 
     /// First half of the kick: velocities become those of the middle of the step.
@@ -143,6 +170,7 @@ impl Body {
         if !state.strain_energy_j.is_finite() {
             return Err(self.not_finite(c));
         }
+        self.hold_step_factor();
         self.add_stiffness_damping(c.step_s);
         self.add_loads(c);
         let gravity = c.gravity_m_s2;

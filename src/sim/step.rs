@@ -11,6 +11,13 @@ use crate::contact::CollisionList;
 use glam::DVec3;
 use std::time::Instant;
 
+/// End of a step that divides the time to the limit into equal steps of at most `step_s`: a short step
+/// here and there would excite the highest modes. Ends on the limit exactly.
+fn even_end(start_s: f64, limit_s: f64, step_s: f64) -> f64 {
+    let count = ((limit_s - start_s) / step_s * (1.0 - 1e-9)).ceil();
+    if count <= 1.0 { limit_s } else { start_s + (limit_s - start_s) / count }
+}
+
 /// What the islands did in one step, added up.
 #[derive(Default)]
 struct Collected {
@@ -127,7 +134,8 @@ impl World {
         let longest_s = steps_s.iter().copied().fold(0.0, f64::max);
         let shortest_s = steps_s.iter().copied().fold(f64::INFINITY, f64::min);
         let valid_s = self.broad.valid_for_s(&self.bodies).max(shortest_s);
-        let mut end_s = limit_s.min(start_s + longest_s.min(valid_s).min(self.setup.time.free_interval_s));
+        let mut end_s =
+            even_end(start_s, limit_s, longest_s.min(valid_s).min(self.setup.time.free_interval_s));
         let touch = self.free_touch(end_s);
         if let Some(touch) = touch {
             end_s = touch.time_s.max(start_s);
