@@ -5,7 +5,8 @@
 
 use super::body::{Body, Regime};
 use crate::contact::candidates::{Candidates, SurfaceBoxes, between, within};
-use glam::DVec3;
+use crate::math::best_fit_rotation;
+use glam::{DMat3, DQuat, DVec3};
 
 /// How far boxes are fattened, as a share of the body's mean surface element size.
 const MARGIN: f64 = 0.2;
@@ -25,6 +26,44 @@ struct Entry {
     boxes: Option<SurfaceBoxes>,
     /// Counts the renewals; part of what a pair's candidates are valid for.
     stamp: u64,
+    /// Boxes for self-collision, valid in the body's own moving frame.
+    own: Option<OwnBoxes>,
+}
+
+/// Boxes around a body's shape, kept while it moves on as a whole and changes its shape but little.
+struct OwnBoxes {
+    boxes: SurfaceBoxes,
+    stamp: u64,
+    orientation: DQuat,
+}
+
+impl OwnBoxes {
+    fn around(body: &Body, stamp: u64) -> Self {
+        let margin_m = MARGIN * body.mean_size_m;
+        let boxes = SurfaceBoxes::around(&body.surface, &body.position_m, margin_m);
+        Self { boxes, stamp, orientation: DQuat::IDENTITY }
+    }
+
+    /// Whether the shape has changed by more than the boxes allow, seen in the frame that fits it best.
+    fn is_outrun(&mut self, body: &Body) -> bool {
+        let nodes = || body.surface.nodes.iter().map(|n| *n as usize);
+        let built = self.boxes.built_at_m();
+        let count = body.surface.nodes.len().max(1) as f64;
+        let centre_then: DVec3 = nodes().map(|n| built[n]).sum::<DVec3>() / count;
+        let centre_now: DVec3 = nodes().map(|n| body.position_m[n]).sum::<DVec3>() / count;
+        let mut moment = DMat3::ZERO;
+        for n in nodes() {
+            let (now, then) = (body.position_m[n] - centre_now, built[n] - centre_then);
+            moment += DMat3::from_cols(now * then.x, now * then.y, now * then.z);
+        }
+        self.orientation = best_fit_rotation(&moment, self.orientation);
+        let turn = DMat3::from_quat(self.orientation);
+        let limit = (0.4 * self.boxes.margin_m()).powi(2);
+        nodes().any(|n| {
+            let moved = centre_now + turn * (built[n] - centre_then);
+            (body.position_m[n] - moved).length_squared() > limit
+        })
+    }
 }
 
 /// Boxes of all bodies and candidates of near pairs.
@@ -57,6 +96,9 @@ impl BroadPhase {
     pub fn update(&mut self, bodies: &[Body], step_s: f64) {
         for (entry, body) in self.entries.iter_mut().zip(bodies) {
             entry.renew(body, step_s);
+            if self.self_collision && body.regime == Regime::Elastic {
+                entry.renew_own(body);
+            }
         }
         let mut old = std::mem::take(&mut self.pairs).into_iter().peekable();
         for first in 0..bodies.len() {
@@ -80,20 +122,26 @@ impl BroadPhase {
         if !(is_elastic[0] || is_elastic[1]) || (is_self && !self.self_collision) {
             return None;
         }
+        if is_self {
+            let own = self.entries[first].own.as_ref()?;
+            let stamps = [own.stamp; 2];
+            if let Some(pair) = kept.filter(|p| p.stamps == stamps) {
+                return Some(pair);
+            }
+            let candidates = within((&bodies[first].surface, &own.boxes), &bodies[first].reference_m);
+            return Some(NearPair { bodies: key, candidates, stamps });
+        }
         let (a, b) = (&self.entries[first], &self.entries[second]);
         let (boxes_a, boxes_b) = (a.boxes.as_ref()?, b.boxes.as_ref()?);
         let stamps = [a.stamp, b.stamp];
         if let Some(pair) = kept.filter(|p| p.stamps == stamps) {
             return Some(pair);
         }
-        if !is_self && !bounds_overlap(boxes_a, boxes_b) {
+        if !bounds_overlap(boxes_a, boxes_b) {
             return None;
         }
-        let candidates = if is_self {
-            within((&bodies[first].surface, boxes_a), &bodies[first].reference_m)
-        } else {
-            between((&bodies[first].surface, boxes_a), (&bodies[second].surface, boxes_b), false)
-        };
+        let candidates =
+            between((&bodies[first].surface, boxes_a), (&bodies[second].surface, boxes_b), false);
         (!candidates.is_empty()).then_some(NearPair { bodies: key, candidates, stamps })
     }
 
@@ -111,6 +159,14 @@ impl BroadPhase {
 }
 
 impl Entry {
+    fn renew_own(&mut self, body: &Body) {
+        let stamp = self.own.as_ref().map_or(0, |own| own.stamp + 1);
+        let is_valid = self.own.as_mut().is_some_and(|own| !own.is_outrun(body));
+        if !is_valid {
+            self.own = Some(OwnBoxes::around(body, stamp));
+        }
+    }
+
     fn renew(&mut self, body: &Body, step_s: f64) {
         let is_valid = self.boxes.as_ref().is_some_and(|boxes| !is_outrun(boxes, body));
         if is_valid {
