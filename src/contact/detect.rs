@@ -229,8 +229,14 @@ impl NodeSide<'_> {
             return false;
         }
         let is_over_patch = geometry.is_inside(BORDER);
+        // Away from the borders, or for a node on the patch, the meeting point is decided by the start.
+        let foot = geometry.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min);
+        let is_clear = foot.abs() * size_m > 4.0 * path.tangential_m();
+        if is_clear || geometry.gap_m <= 0.0 {
+            return is_over_patch;
+        }
         match path.atomic_case().verdict() {
-            Verdict::Collides(_) if geometry.gap_m > 0.0 => path.meets_patch() || (is_held && is_over_patch),
+            Verdict::Collides(_) => path.meets_patch() || (is_held && is_over_patch),
             _ => is_over_patch,
         }
     }
@@ -265,6 +271,12 @@ struct Paths {
 }
 
 impl Paths {
+    /// Bound on the way of the node along the patch in the step, m.
+    fn tangential_m(&self) -> f64 {
+        let relative = self.patch_v.iter().map(|u| (self.v - *u).length_squared()).fold(0.0, f64::max);
+        relative.sqrt() * self.step_s
+    }
+
     /// The case of the atomic table, relative to the patch's mean motion.
     fn atomic_case(&self) -> AtomicCase {
         let mean_v = (self.patch_v[0] + self.patch_v[1] + self.patch_v[2]) / 3.0;

@@ -89,7 +89,7 @@ fn records(index: usize, world: &RestView) -> Vec<PairRecord> {
             }
         })
         .collect();
-    found.sort_by(|a, b| a.key.cmp(&b.key));
+    found.sort_by_key(|r| r.key);
     found
 }
 

@@ -130,10 +130,9 @@ pub(super) fn first_touch(bodies: &[Body], from_s: f64, to_s: f64, gravity: DVec
                 continue;
             }
             let until = first.map_or(to_s, |t| t.time_s);
-            if let Some(time_s) = pair_touch(&movers[i], &movers[j], [from_s, until], MOST_HALVINGS) {
-                if first.is_none_or(|t| time_s < t.time_s) {
-                    first = Some(Touch { time_s, bodies: [i, j] });
-                }
+            let found = pair_touch(&movers[i], &movers[j], [from_s, until], MOST_HALVINGS);
+            if let Some(time_s) = found.filter(|t| first.is_none_or(|f| *t < f.time_s)) {
+                first = Some(Touch { time_s, bodies: [i, j] });
             }
         }
     }
@@ -160,8 +159,8 @@ fn pair_touch(a: &Mover, b: &Mover, span: [f64; 2], halvings: u32) -> Option<f64
     let both_fall = [a, b].iter().all(|m| matches!(m.path, Path::Rigid(_)));
     let duration_s = to_s - from_s;
     let deviation_m = a.path_deviation_m(duration_s, !both_fall) + b.path_deviation_m(duration_s, !both_fall);
-    let size_m = smaller(a.body.mean_size_m, b.body.mean_size_m);
-    let is_coarse = deviation_m > COARSE * smaller(a.body.radius_m, b.body.radius_m);
+    let size_m = a.body.mean_size_m.min(b.body.mean_size_m);
+    let is_coarse = deviation_m > COARSE * a.body.radius_m.min(b.body.radius_m);
     if !is_coarse || halvings == 0 {
         let fine = Fine::new(a, b, span, deviation_m);
         if fine.candidates.is_empty() {
@@ -174,11 +173,6 @@ fn pair_touch(a: &Mover, b: &Mover, span: [f64; 2], halvings: u32) -> Option<f64
     let middle_s = 0.5 * (from_s + to_s);
     pair_touch(a, b, [from_s, middle_s], halvings - 1)
         .or_else(|| pair_touch(a, b, [middle_s, to_s], halvings - 1))
-}
-
-/// Of two sizes the one that matters: the smaller.
-fn smaller(a: f64, b: f64) -> f64 {
-    a.min(b)
 }
 
 /// Straight paths over a short interval and the features that may meet on them.
