@@ -124,6 +124,8 @@ pub struct ContactSummary {
     pub begin_s: f64,
     /// End, s.
     pub end_s: f64,
+    /// When all but a thousandth of the impulse had been passed on, s: the end of the collision proper.
+    pub impulse_end_s: f64,
     /// Impulse on the first body, N s.
     pub impulse_n_s: [f64; 3],
 }
@@ -135,6 +137,7 @@ impl ContactSummary {
             bodies: episode.bodies.map(name),
             begin_s: episode.begin_s,
             end_s: episode.end_s,
+            impulse_end_s: episode.impulse_end_s,
             impulse_n_s: episode.impulse_n_s.to_array(),
         }
     }
