@@ -22,7 +22,7 @@ cargo fmt --check
 say "lints"
 cargo clippy --locked --all-targets -- -D warnings
 say "tests"
-cargo test --locked "$@"
+cargo test --locked --no-fail-fast "$@"
 say "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
 say "all is well"
