@@ -7,7 +7,7 @@
 //!
 //! The table is not invariant to a common motion of node and patch (a patch that overtakes a slower node
 //! from behind falls under "as in the last step"), so callers give it the path *relative to the
-//! patch*: see [`super::detect`].
+//! patch*: see [`mod@super::detect`].
 
 use super::geometry::unit_normal;
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Contact: broad phase, atomic cases, time of impact, response, friction (METHOD 4 and 5).
 //!
-//! [`candidates`] finds features that may meet, [`detect`] makes [`constraint`]s of those that touch, and
+//! [`candidates`] finds features that may meet, [`mod@detect`] makes [`constraint`]s of those that touch, and
 //! [`response`] solves them. [`time_of_impact`] and [`atomic`] decide when and whether a collision begins.
 
 pub mod atomic;
