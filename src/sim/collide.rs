@@ -116,9 +116,9 @@ impl ContactScene<'_> {
         let deformable = movers.filter(|b| b.is_deformable());
         let radius_m = deformable.map(|b| b.radius_m).fold(f64::INFINITY, f64::min);
         let radius_m = if radius_m.is_finite() { radius_m } else { 0.0 };
-        // A hundredth of the speed gained in falling by the body's radius, and what gravity adds in
+        // A twenty-fifth of the speed gained in falling by the body's radius, and what gravity adds in
         // a step to a node that carries a column of others.
-        0.01 * (2.0 * self.gravity_m_s2 * radius_m).sqrt() + 20.0 * self.gravity_m_s2 * self.step_s
+        0.04 * (2.0 * self.gravity_m_s2 * radius_m).sqrt() + 20.0 * self.gravity_m_s2 * self.step_s
     }
 }
 

@@ -231,6 +231,14 @@ impl Body {
         SimError::NotFinite { body: self.name.clone(), what: "the stress", place, step: 0, time_s: c.time_s }
     }
 
+    /// Kinetic energy with the velocities of the last half step, J. At the end of a step a pressed node
+    /// carries half a kick that its contact will take away again; here it has not got it yet, so that a body
+    /// at rest has none.
+    pub fn half_step_kinetic_j(&self, step_s: f64) -> f64 {
+        let nodes = self.mass_kg.iter().zip(&self.velocity_m_s).zip(&self.acceleration_m_s2);
+        nodes.map(|((m, v), a)| 0.5 * m * (*v - *a * (0.5 * step_s)).length_squared()).sum()
+    }
+
     /// Energy of deformation and of motion other than rigid, J.
     pub fn vibration_j(&self) -> f64 {
         let rigid = self.rigid_part();

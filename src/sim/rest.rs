@@ -59,7 +59,7 @@ impl RestTracker {
         let speed_m_s = REST_SPEED_SHARE * (world.gravity_m_s2 * body.radius_m).sqrt();
         let limit_j = 0.5 * body.reference.mass_kg * speed_m_s * speed_m_s;
         let now = records(index, world);
-        let is_still = unchanged(&self.history, &now) && body.kinetic_j() <= limit_j;
+        let is_still = unchanged(&self.history, &now) && body.half_step_kinetic_j(world.step_s) <= limit_j;
         self.quiet_checks = if is_still { self.quiet_checks + 1 } else { 0 };
         self.history.swap(0, 1);
         self.history[1] = now;
@@ -71,6 +71,8 @@ pub(super) struct RestView<'a> {
     pub bodies: &'a [Body],
     pub constraints: &'a [Constraint],
     pub time_s: f64,
+    /// Length of the last step, s.
+    pub step_s: f64,
     pub gravity_m_s2: f64,
 }
 

@@ -162,7 +162,7 @@ impl World {
             self.begin_collision(touch);
             collected.report.stage = Stage::Beginning;
         }
-        self.settle(&groups, &collected.outcomes);
+        self.settle(&groups, &collected);
         Ok(collected.report)
     }
 
@@ -345,8 +345,8 @@ impl World {
     }
 
     /// Lets bodies that have calmed down travel freely or sleep.
-    fn settle(&mut self, groups: &[Vec<usize>], outcomes: &[ContactOutcome]) {
-        let constraints: Vec<_> = outcomes.iter().flat_map(|o| &o.constraints).copied().collect();
+    fn settle(&mut self, groups: &[Vec<usize>], collected: &Collected) {
+        let constraints: Vec<_> = collected.outcomes.iter().flat_map(|o| &o.constraints).copied().collect();
         for group in groups {
             for &index in group {
                 if !self.rest[index].is_due(self.time_s) {
@@ -357,6 +357,7 @@ impl World {
                     bodies: &self.bodies,
                     constraints: &constraints,
                     time_s: self.time_s,
+                    step_s: collected.report.step_s,
                     gravity_m_s2: self.setup.gravity_m_s2.length(),
                 };
                 tracker.check(index, &view);
