@@ -161,18 +161,11 @@ impl NodeTable {
 
 /// Puts constraints into an order that depends on where they are, not on how things are numbered.
 pub fn sort_by_place(constraints: &mut [Constraint]) {
-    let key = |c: &Constraint| {
+    constraints.sort_by_cached_key(|c| {
         // Quantised so that round-off does not reorder places that are meant to be level.
         let grid_m = 1e-5 * c.size_m;
-        let quantised = c.place_m.to_array().map(|x| ((x / grid_m + 0.377).floor(), 0));
-        quantised.map(|(q, _)| q)
-    };
-    constraints.sort_by(|a, b| {
-        let (ka, kb) = (key(a), key(b));
-        let by_place = (0..3).rev().map(|i| ka[i].total_cmp(&kb[i])).find(|o| o.is_ne());
-        by_place
-            .unwrap_or(std::cmp::Ordering::Equal)
-            .then_with(|| (a.bodies, a.feature).cmp(&(b.bodies, b.feature)))
+        let [x, y, z] = c.place_m.to_array().map(|x| (x / grid_m + 0.377).floor() as i64);
+        ([z, y, x], c.bodies, c.feature)
     });
 }
 

@@ -1,6 +1,6 @@
 //! The step: free travel, beginning of collision, collision, end of collision (METHOD 3).
 
-use super::body::{Regime, prescribed_pose};
+use super::body::Regime;
 use super::broad::islands;
 use super::collide::{ContactOutcome, ContactScene, penetration, respond};
 use super::elastic::StepContext;
@@ -226,14 +226,14 @@ impl World {
 
     fn set_kinematic_velocities(&mut self, end_s: f64) {
         let duration_s = end_s - self.time_s;
+        if duration_s <= 0.0 {
+            return;
+        }
         for body in &mut self.bodies {
             if let (Regime::Kinematic, BodyMotion::Kinematic(motion)) = (body.regime, &body.motion) {
-                if duration_s > 0.0 {
-                    let end = prescribed_positions(body, motion, end_s);
-                    let ways = end.iter().zip(&body.position_m);
-                    body.velocity_m_s = ways.map(|(to, from)| (*to - *from) / duration_s).collect();
-                }
-                debug_assert!(prescribed_pose(motion, end_s).0.is_finite());
+                let end = prescribed_positions(body, motion, end_s);
+                let ways = end.iter().zip(&body.position_m);
+                body.velocity_m_s = ways.map(|(to, from)| (*to - *from) / duration_s).collect();
             }
         }
     }
