@@ -6,6 +6,7 @@
 //! opposite forces has no moment (algorithmic moment arms, Zywicz and Puso, IJNME 44, 1999).
 
 use super::geometry::{barycentric, closest_on_lines};
+use super::impact::ImpactStore;
 use glam::DVec3;
 
 /// What meets what, in terms of the bodies' own nodes, triangles and edges.
@@ -52,8 +53,10 @@ pub struct Constraint {
     pub friction_coefficient: f64,
     /// Speed at which the prediction closes the gap, m/s.
     pub closing_m_s: f64,
-    /// Whether a closing impact of this pair may be reversed; not where other pairs have done so.
+    /// Whether an impact of this pair keeps its energy; not where other pairs have taken most of the approach.
     pub may_bounce: bool,
+    /// What an impact of this pair has stored and not yet given back.
+    pub stored: ImpactStore,
     /// Relative normal velocity that must at least hold after the response, m/s (set by the response).
     pub target_m_s: f64,
     /// Impulse on the first body, N s (the response's result).
@@ -164,6 +167,7 @@ mod tests {
             friction_coefficient: 0.0,
             closing_m_s: 0.0,
             may_bounce: true,
+            stored: ImpactStore::default(),
             target_m_s: 0.0,
             impulse_n_s: impulse,
         };

@@ -4,6 +4,7 @@ use super::atomic::{AtomicCase, Verdict};
 use super::candidates::Candidates;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
+use super::impact::{ImpactStore, ImpactStores};
 use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
 use glam::DVec3;
@@ -16,6 +17,10 @@ const NEAR: f64 = 1e-3;
 const NEW_PAIR_DEPTH: f64 = 4e-4;
 /// Penetration that a node already held by the same body may carry when it slides on to the next patch.
 const HELD_PAIR_DEPTH: f64 = 0.05;
+/// How far a held node may stand out over the border of its patch, in the patch's own coordinates. Flush bodies
+/// strain sideways by less; a node that had to let go of the face for that would be behind the face round the corner when
+/// it comes back.
+const HELD_BORDER: f64 = 0.02;
 /// Cosine of the angle up to which a patch continues the one that held a node before.
 const SAME_SIDE: f64 = 0.8;
 /// Cosine of the angle up to which two patches at a node are one plane.
@@ -58,13 +63,15 @@ pub struct CollisionList {
     held_nodes: Vec<(HeldNode, DVec3)>,
     /// (first body, second body, first edge, second edge), sorted.
     held_edges: Vec<(u32, u32, u32, u32)>,
+    /// Energy of their impacts.
+    stores: ImpactStores,
 }
 
 impl CollisionList {
-    /// The pairs that press with an impulse.
+    /// The pairs that press with an impulse; a share `left` of what impacts stored remains.
     #[must_use]
-    pub fn of(constraints: &[Constraint]) -> Self {
-        let mut list = Self::default();
+    pub fn of(constraints: &[Constraint], left: f64) -> Self {
+        let mut list = Self { stores: ImpactStores::of(constraints, left), ..Self::default() };
         for c in constraints.iter().filter(|c| c.impulse_n_s != DVec3::ZERO) {
             match c.feature {
                 Feature::NodeOnPatch { node, .. } => {
@@ -86,6 +93,7 @@ impl CollisionList {
         let mut kept = self.clone();
         kept.held_nodes.retain(|((a, _, b), _)| of(*a) || of(*b));
         kept.held_edges.retain(|(a, b, _, _)| of(*a) || of(*b));
+        kept.stores = kept.stores.keep(of);
         kept
     }
 
@@ -96,6 +104,13 @@ impl CollisionList {
         self.held_edges.extend(other.held_edges);
         self.held_edges.sort_unstable();
         self.held_edges.dedup();
+        self.stores.merge(other.stores);
+    }
+
+    /// What impacts have stored.
+    #[must_use]
+    pub fn stores(&self) -> &ImpactStores {
+        &self.stores
     }
 
     /// Whether the node was held by the body along about this normal.
@@ -220,6 +235,7 @@ impl NodeSide<'_> {
             friction_coefficient: self.pair.friction_coefficient,
             closing_m_s: -relative_v.dot(geometry.normal),
             may_bounce: true,
+            stored: ImpactStore::default(),
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
         })
@@ -230,7 +246,7 @@ impl NodeSide<'_> {
         if geometry.gap_m < -depth * size_m {
             return false;
         }
-        let is_over_patch = geometry.is_inside(BORDER);
+        let is_over_patch = geometry.is_inside(if is_held { HELD_BORDER } else { BORDER });
         // Away from the borders, or for a node on the patch, the meeting point is decided by the start.
         let foot = geometry.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min);
         let is_clear = foot.abs() * size_m > 4.0 * path.tangential_m();
@@ -341,6 +357,7 @@ fn edge_constraint(
         friction_coefficient: pair.friction_coefficient,
         closing_m_s: -relative_v.dot(n),
         may_bounce: true,
+        stored: ImpactStore::default(),
         target_m_s: 0.0,
         impulse_n_s: DVec3::ZERO,
     })

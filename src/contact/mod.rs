@@ -1,13 +1,14 @@
 //! Contact: broad phase, atomic cases, time of impact, response, friction (METHOD 4 and 5).
 //!
 //! [`candidates`] finds features that may meet, [`mod@detect`] makes [`constraint`]s of those that touch, and
-//! [`response`] solves them. [`time_of_impact`] and [`atomic`] decide when and whether a collision begins.
+//! [`response`] solves them, [`impact`] keeps the energy of their impacts. [`time_of_impact`] and [`atomic`] decide when and whether a collision begins.
 
 pub mod atomic;
 pub mod candidates;
 pub mod constraint;
 pub mod detect;
 pub mod geometry;
+pub mod impact;
 pub mod response;
 pub mod surface;
 pub mod time_of_impact;

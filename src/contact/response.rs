@@ -6,14 +6,13 @@
 //! `sum_i w_i^2 / m_i`, and a pair is solved without assembling anything. Passes go forth and back
 //! over the pairs in an order taken from their places, not from their numbers.
 //!
-//! Impact energy: a plain constraint stops the contact nodes dead and loses their kinetic energy. Where two
-//! features close faster than the rest speed, the relative normal velocity is reversed instead, which
-//! keeps the energy of the impact (Cirak, West, IJNME 64, 2005). What is reversed is the velocity at the start of
-//! the step, where positions and velocities belong to the same moment: reversing the half step's
-//! prediction, which holds half a kick of elastic force already, was seen to feed energy into the bodies.
-//! In sustained contact both come to the same as closing the gap. Below the rest speed nothing bounces.
+//! What a pair does about the energy of an impact stands in `impact.rs`: it is taken up in the step that stops
+//! the pair and given back in the step that opens it. Both are reckoned with the velocities at the start of the
+//! step, where positions and velocities belong to the same moment: the half step's prediction holds half a
+//! kick of elastic force already.
 
 use super::constraint::Constraint;
+use super::impact::{ImpactStore, rebound_speeds_m_s, share_of_blow};
 use glam::DVec3;
 
 /// Passes after which a response that still penetrates gives up.
@@ -23,6 +22,12 @@ const PENETRATION_LEFT: f64 = 1e-4;
 
 /// Compliance of redundant pairs over their block.
 const SOFTNESS: f64 = 0.25;
+
+/// Blows are aimed higher than the rebound, since pairs that open one after the other need more speed
+/// for the same energy; what is too much is cut off.
+const BLOW_MARGIN: f64 = 1.2;
+/// Share of an aimed blow below which its nodes count as obstructed. A free pair takes `1 / BLOW_MARGIN`.
+const OBSTRUCTED: f64 = 0.5;
 
 /// A node that takes part in the response.
 #[derive(Clone, Copy, Debug)]
@@ -59,16 +64,17 @@ pub struct ResponseParameters {
     pub passes: u32,
     /// Relative change of the multipliers at which the passes stop.
     pub tolerance: f64,
-    /// Whether closing impacts conserve energy.
+    /// Whether impacts keep their energy until the pair opens.
     pub conserve_impact_energy: bool,
-    /// Closing speed below which nothing bounces, m/s.
+    /// Closing speed below which an impact keeps nothing, m/s.
     pub rest_speed_m_s: f64,
 }
 
 /// What the response did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ResponseReport {
-    /// Passes taken.
+    /// Passes taken to solve the pairs; where some of them opened with a blow and all were solved again, the
+    /// larger number.
     pub passes: u32,
     /// Largest change of a multiplier in the last pass over the largest multiplier.
     pub last_change: f64,
@@ -114,6 +120,12 @@ impl NodeTable {
     /// Relative velocity at the start of the step of a constraint, m/s.
     fn relative_start_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
         self.rows[row].iter().zip(weights).map(|(i, w)| self.nodes[*i].start_velocity_m_s * *w).sum()
+    }
+
+    /// Change of the relative velocity of a constraint by the response so far, m/s.
+    fn relative_change(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
+        let change = |i: usize| self.nodes[i].velocity_m_s - self.predicted_m_s[i];
+        self.rows[row].iter().zip(weights).map(|(i, w)| change(*i) * *w).sum()
     }
 
     /// Velocities before the response, in the order of `nodes`, m/s.
@@ -169,7 +181,7 @@ pub fn sort_by_place(constraints: &mut [Constraint]) {
     });
 }
 
-/// Solves the constraints: sets their impulses and corrects the velocities in the table.
+/// Solves the constraints: sets their impulses, what they have stored, and the velocities in the table.
 ///
 /// A pass goes forth and back over the pairs. Passes are conjugate to each other (Silcowitz, Niebe, Erleben,
 /// VRIPHYS 2009; Zywicz and Puso accelerate in the same way), and start from impulses that would be exact
@@ -181,23 +193,130 @@ pub fn solve(
 ) -> ResponseReport {
     let rows: Vec<PairRow> =
         constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
-    let mut report = ResponseReport::default();
-    let mut memory = Conjugate::default();
+    let stored_before_j = stored_j(constraints);
     start_evenly(&rows, constraints, table);
-    while report.passes < MOST_PASSES {
-        report.last_change = one_pass(&rows, constraints, table, &mut memory);
-        report.passes += 1;
-        let is_settled = report.last_change < p.tolerance;
-        let is_time = is_settled || report.passes >= p.passes;
-        if is_time && (report.last_change < 1e-12 || !penetrates(&rows, constraints, table, p.step_s)) {
-            break;
-        }
+    let mut report = settle(&rows, constraints, table, (p, MOST_PASSES));
+    if let Some(blow) = p.conserve_impact_energy.then(|| deal_blows(&rows, constraints, table, p)).flatten() {
+        report.passes = report.passes.max(blow.passes);
     }
     for row in &rows {
         row.free_of_moment(&constraints[row.index], table);
     }
+    if p.conserve_impact_energy {
+        store_impacts(&rows, constraints, table, (stored_before_j, p.rest_speed_m_s));
+    }
     (report.dissipated_j, report.prescribed_work_j) = table.balances();
     report
+}
+
+/// Passes over the pairs until they settle, `most_passes` at most.
+fn settle(
+    rows: &[PairRow],
+    constraints: &mut [Constraint],
+    table: &mut NodeTable,
+    (p, most_passes): (&ResponseParameters, u32),
+) -> ResponseReport {
+    let mut report = ResponseReport::default();
+    let mut memory = Conjugate::default();
+    while report.passes < most_passes {
+        report.last_change = one_pass(rows, constraints, table, &mut memory);
+        report.passes += 1;
+        let is_settled = report.last_change < p.tolerance;
+        let is_time = is_settled || report.passes >= p.passes;
+        if is_time && (report.last_change < 1e-12 || !penetrates(rows, constraints, table, p.step_s)) {
+            break;
+        }
+    }
+    report
+}
+
+/// Aims all pairs of the places that open and have stored an impact at a velocity a little above that of a full
+/// rebound. Returns their numbers.
+fn aim_blows(rows: &[PairRow], constraints: &mut [Constraint], table: &NodeTable) -> Vec<usize> {
+    let speed_m_s = rebound_speeds_m_s(constraints);
+    let mut aimed = Vec::new();
+    for index in rows.iter().map(|r| r.index).filter(|i| speed_m_s[*i] > 0.0) {
+        let c = &mut constraints[index];
+        let velocity_m_s = table.relative_velocity(index, &c.weights).dot(c.normal);
+        c.target_m_s = velocity_m_s + BLOW_MARGIN * speed_m_s[index];
+        aimed.push(index);
+    }
+    aimed
+}
+
+/// Solves again with the blows' targets and takes as much of the blow as gives what the pairs had stored. Where the
+/// nodes cannot give way because their neighbours still press, there is no blow yet.
+fn deal_blows(
+    rows: &[PairRow],
+    constraints: &mut [Constraint],
+    table: &mut NodeTable,
+    p: &ResponseParameters,
+) -> Option<ResponseReport> {
+    let aimed = aim_blows(rows, constraints, table);
+    if aimed.is_empty() {
+        return None;
+    }
+    let nodes = table.nodes.clone();
+    let impulses: Vec<DVec3> = constraints.iter().map(|c| c.impulse_n_s).collect();
+    // A blow is cut to its energy anyway: the usual passes are enough.
+    let report = settle(rows, constraints, table, (p, p.passes));
+    let spent_j = aimed.iter().map(|i| constraints[*i].stored.energy_j).sum();
+    let (mut work_j, mut square_j) = (0.0, 0.0);
+    for (before, after) in nodes.iter().zip(&table.nodes) {
+        let impulse = after.impulse_n_s - before.impulse_n_s;
+        let made_m_s = after.velocity_m_s - before.velocity_m_s;
+        let start_m_s = before.start_velocity_m_s + before.inverse_mass_per_kg * before.impulse_n_s;
+        square_j += 0.5 * impulse.dot(made_m_s);
+        work_j += impulse.dot(start_m_s + made_m_s * 0.5);
+    }
+    if std::env::var("DBG").is_ok() { for (i,c) in constraints.iter().enumerate() { println!("  {} {:?} {:?} n={:.2?} x={:.4?} size={:.4} E={:.3e} e={:.2} imp={:.2e}->{:.2e} gap={:.2e}", if aimed.contains(&i) {'*'} else {' '},c.bodies,c.feature,c.normal.to_array(),c.place_m.to_array(),c.size_m,c.stored.energy_j,c.stored.speed_m_s,impulses[i].length(),c.impulse_n_s.length(),c.gap_m/c.size_m);} println!("  blow spent={spent_j:.3e} work={work_j:.3e} sq={square_j:.3e}"); }
+    let mut share = share_of_blow(spent_j, work_j, square_j);
+    if share < OBSTRUCTED {
+        share = 0.0;
+    } else {
+        aimed.iter().for_each(|i| constraints[*i].stored = ImpactStore::default());
+    }
+    for (c, before) in constraints.iter_mut().zip(&impulses) {
+        c.impulse_n_s = before.lerp(c.impulse_n_s, share);
+    }
+    for (node, before) in table.nodes.iter_mut().zip(&nodes) {
+        node.impulse_n_s = before.impulse_n_s.lerp(node.impulse_n_s, share);
+        node.velocity_m_s = before.velocity_m_s.lerp(node.velocity_m_s, share);
+    }
+    (share > 0.0).then_some(report)
+}
+
+fn stored_j(constraints: &[Constraint]) -> f64 {
+    constraints.iter().map(|c| c.stored.energy_j).sum()
+}
+
+/// Books what the normal impulses took from the motion with the pairs that took it.
+fn store_impacts(
+    rows: &[PairRow],
+    constraints: &mut [Constraint],
+    table: &NodeTable,
+    (stored_before_j, rest_speed_m_s): (f64, f64),
+) {
+    let mut most_j = stored_before_j;
+    for row in rows {
+        let c = &mut constraints[row.index];
+        let normal_n_s = c.impulse_n_s.dot(c.normal);
+        if normal_n_s <= 0.0 {
+            continue;
+        }
+        let weights = c.moment_free_weights();
+        let before_m_s = table.relative_start_velocity(row.index, &weights).dot(c.normal);
+        let after_m_s = before_m_s + table.relative_change(row.index, &weights).dot(c.normal);
+        let loss_j = -0.5 * normal_n_s * (before_m_s + after_m_s);
+        let share = if c.may_bounce { bounce_share(-before_m_s, rest_speed_m_s) } else { 0.0 };
+        c.stored = c.stored.after(loss_j, [-before_m_s, after_m_s], share);
+        most_j += loss_j;
+    }
+    // One pair's gain may be another's loss: all together never keep more than was taken from the motion.
+    let left = (most_j.max(0.0) / stored_j(constraints)).min(1.0);
+    if left < 1.0 {
+        constraints.iter_mut().for_each(|c| c.stored = c.stored.leaked(left));
+    }
 }
 
 /// Applies first guesses of the normal impulses: each pair's shortfall over the sum of its row, as if its
@@ -345,13 +464,9 @@ impl PairRow {
 }
 
 /// Sets the relative normal velocity of the half step that each pair must at least have after the
-/// response.
-///
-/// A pair that would penetrate and closes faster than the rest speed leaves as fast as it came; one that
-/// closes slowly comes to touch exactly; between once and twice the rest speed the two are blended.
+/// response: the one that brings it to touch at the end of the step.
 pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &ResponseParameters) {
     for (row, c) in constraints.iter_mut().enumerate() {
-        let predicted_m_s = table.relative_velocity(row, &c.weights).dot(c.normal);
         let closing_m_s = -table.relative_start_velocity(row, &c.weights).dot(c.normal);
         let mut touch_m_s = -c.gap_m / p.step_s;
         if touch_m_s > 0.0 {
@@ -359,15 +474,10 @@ pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &Respon
             touch_m_s = touch_m_s.min(p.rest_speed_m_s + 0.1 * closing_m_s.abs() + f64::MIN_POSITIVE);
         }
         c.target_m_s = touch_m_s;
-        let would_penetrate = predicted_m_s * p.step_s + c.gap_m < 0.0;
-        if would_penetrate && closing_m_s > 0.0 && p.conserve_impact_energy && c.may_bounce {
-            let bounce = bounce_share(closing_m_s, p.rest_speed_m_s);
-            let reversed_m_s = predicted_m_s + 2.0 * closing_m_s;
-            c.target_m_s = touch_m_s.max(bounce * reversed_m_s + (1.0 - bounce) * touch_m_s);
-        }
     }
 }
 
+/// Share of a new impact's energy that is kept: none below the rest speed, all above twice that.
 fn bounce_share(closing_m_s: f64, rest_speed_m_s: f64) -> f64 {
     if rest_speed_m_s > 0.0 {
         (closing_m_s / rest_speed_m_s - 1.0).clamp(0.0, 1.0)
@@ -446,6 +556,7 @@ mod tests {
             friction_coefficient: friction,
             closing_m_s: 0.0,
             may_bounce: true,
+            stored: ImpactStore::default(),
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
         }]
@@ -472,11 +583,19 @@ mod tests {
     }
 
     #[test]
-    fn impact_conserves_energy_and_momentum_when_asked() {
-        let mut c = pair(1e-6, 0.0);
+    fn an_impact_is_stored_when_it_stops_and_given_back_when_it_opens() {
+        let mut c = pair(0.0, 0.0);
         let (table, report) = run(&mut c, DVec3::NEG_Z * 3.0, 0.25, true);
-        assert!((kinetic(&table) - 9.0).abs() < 1e-12);
-        assert!(report.dissipated_j.abs() < 1e-12);
+        assert!(table.relative_velocity(0, &c[0].weights).z.abs() < 1e-14);
+        assert!((c[0].stored.energy_j - report.dissipated_j).abs() < 1e-14);
+        assert!((c[0].stored.energy_j + kinetic(&table) - 9.0).abs() < 1e-12);
+        // The same pair as it begins to open.
+        let stored = c[0].stored;
+        c[0].impulse_n_s = DVec3::ZERO;
+        let (table, report) = run(&mut c, DVec3::Z * 0.1, 0.25, true);
+        assert!((report.dissipated_j + stored.energy_j).abs() < 1e-12);
+        assert!((kinetic(&table) - (0.01 + stored.energy_j)).abs() < 1e-12);
+        assert!(!c[0].stored.is_filled());
         let momentum: DVec3 = table.nodes.iter().map(|n| n.impulse_n_s).sum();
         assert!(momentum.length() < 1e-14);
     }

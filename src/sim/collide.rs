@@ -176,6 +176,7 @@ fn solve_all(
     let mut round = 0;
     loop {
         sort_by_place(&mut active);
+        scene.list.stores().hand_over(&mut active);
         let mut table = scene.table(&active);
         set_targets(&mut active, &table, parameters);
         let report = solve(&mut active, &mut table, parameters);

@@ -37,6 +37,12 @@ impl Body {
         crate::fem::damped_step_s(step_s, elasticity.stiffness_damping_s)
     }
 
+    /// About the time that a wave takes to cross the body, s.
+    pub fn crossing_s(&self) -> f64 {
+        let elements = 2.0 * self.radius_m / self.mean_size_m.max(f64::MIN_POSITIVE);
+        elements * self.stable_step_s().min(1.0)
+    }
+
     /// Follows the strain with the step, in few and lasting stages.
     ///
     /// A step that swings with the vibration of the body is a parametric excitation: central differences were

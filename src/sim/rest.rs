@@ -54,8 +54,7 @@ impl RestTracker {
     /// Looks whether the body rests: slow, and its contacts unchanged in value and trend.
     pub fn check(&mut self, index: usize, world: &RestView) {
         let body = &world.bodies[index];
-        let crossings = 2.0 * body.radius_m / body.mean_size_m.max(f64::MIN_POSITIVE);
-        self.next_check_s = world.time_s + CROSSINGS * crossings * body.stable_step_s().min(1.0);
+        self.next_check_s = world.time_s + CROSSINGS * body.crossing_s();
         let speed_m_s = REST_SPEED_SHARE * (world.gravity_m_s2 * body.radius_m).sqrt();
         let limit_j = 0.5 * body.reference.mass_kg * speed_m_s * speed_m_s;
         let now = records(index, world);

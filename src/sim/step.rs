@@ -11,6 +11,10 @@ use crate::contact::CollisionList;
 use glam::DVec3;
 use std::time::Instant;
 
+/// Time, in crossings of the slowest body by a wave, in which the energy of an impact leaks away that no rebound
+/// has fetched: a body that landed softly must not jump when it is pushed much later. A rebound comes after a few.
+const IMPACT_CROSSINGS: f64 = 100.0;
+
 /// End of a step that divides the time to the limit into equal steps of at most `step_s`: a short step
 /// here and there would excite the highest modes. Ends on the limit exactly.
 fn even_end(start_s: f64, limit_s: f64, step_s: f64) -> f64 {
@@ -272,7 +276,7 @@ impl World {
         }
         let kicked = Instant::now();
         let outcome = self.collide(group, context, list);
-        *list = CollisionList::of(&outcome.constraints);
+        *list = CollisionList::of(&outcome.constraints, self.impact_left(group, context.step_s));
         let collided = Instant::now();
         for &b in group {
             let body = &mut self.bodies[b];
@@ -286,6 +290,12 @@ impl World {
         self.phases.response_s += collided.duration_since(kicked).as_secs_f64();
         self.book(&outcome, context, collected);
         Ok(())
+    }
+
+    /// Share of the stored energy of impacts that is left after a step.
+    fn impact_left(&self, group: &[usize], step_s: f64) -> f64 {
+        let crossing_s = group.iter().map(|b| self.bodies[*b].crossing_s()).fold(0.0, f64::max);
+        (-step_s / (IMPACT_CROSSINGS * crossing_s)).exp()
     }
 
     fn collide(&mut self, group: &[usize], context: &StepContext, list: &CollisionList) -> ContactOutcome {
@@ -321,7 +331,7 @@ impl World {
             let sum: f64 = pressing().map(|c| c.impulse_n_s.length()).sum();
             collected.impulse_sum_n_s += sum;
             for c in pressing() {
-                self.log.record(c, context.time_s, context.step_s);
+                self.log.record(c, context.time_s - context.step_s, context.step_s);
             }
             for body in pressing().flat_map(|c| c.bodies) {
                 self.rest[body as usize].last_touch_step = self.steps;
@@ -339,7 +349,7 @@ impl World {
         report.contact_pairs = pressing as u32;
         report.contact_force_n = if duration_s > 0.0 { collected.impulse_sum_n_s / duration_s } else { 0.0 };
         report.stage = if pressing > 0 { Stage::Collision } else { Stage::Vibrating };
-        self.spring_j = collected.spring_j;
+        self.spring_j = collected.spring_j + self.list.stores().energy_j();
         self.marks = super::publish::marks(constraints(), duration_s);
         self.largest_penetration_ratio = self.largest_penetration_ratio.max(report.max_penetration_ratio);
     }

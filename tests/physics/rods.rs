@@ -30,6 +30,10 @@ fn setup(cells: [[u32; 3]; 2], kinematics: Kinematics, cfl: f64) -> WorldSetup {
 #[derive(Debug)]
 struct Outcome {
     duration_error: f64,
+    end_error: f64,
+    pulse_error: f64,
+    last_change: f64,
+    n: usize,
     momentum_error: f64,
     energy_error: f64,
     impulse_errors: [f64; 2],
@@ -43,6 +47,7 @@ fn collide(setup: WorldSetup) -> Outcome {
     let start = world.sample();
     let before: Vec<DVec3> = (0..2).map(|b| world.body_momentum_kg_m_s(b)).collect();
     let (mut momentum_error, mut energy_error, mut passes) = (0.0_f64, 0.0_f64, 0);
+    let mut last_change = 0.0_f64;
     let scale = before[0].length();
     run(&mut world, 2.0e-4, |_, sample| {
         let momentum = (sample.linear_momentum_kg_m_s - start.linear_momentum_kg_m_s).length() / scale;
@@ -50,6 +55,7 @@ fn collide(setup: WorldSetup) -> Outcome {
         let energy = (sample.kinetic_j + sample.strain_j) / start.kinetic_j - 1.0;
         energy_error = energy_error.max(energy.abs());
         passes = passes.max(sample.step.passes);
+        last_change = last_change.max(sample.step.last_change);
     });
     let episodes = world.contact_episodes();
     let theory_s = 2.0 * LENGTH_M * (DENSITY / YOUNG_PA).sqrt();
@@ -57,6 +63,10 @@ fn collide(setup: WorldSetup) -> Outcome {
     let changes: Vec<DVec3> = (0..2).map(|b| world.body_momentum_kg_m_s(b) - before[b]).collect();
     Outcome {
         duration_error: (episodes.last().unwrap().impulse_end_s - episodes[0].begin_s) / theory_s - 1.0,
+        end_error: (episodes.last().unwrap().end_s - episodes[0].begin_s) / theory_s - 1.0,
+        pulse_error: episodes[0].pulse_length_s / theory_s - 1.0,
+        last_change,
+        n: episodes.len(),
         momentum_error,
         energy_error,
         impulse_errors: [
@@ -99,4 +109,53 @@ fn meshes_whose_nodes_do_not_meet_do_as_well() {
 #[test]
 fn forty_elements_along_agree_better() {
     check(&collide(setup([[40, 4, 4], [40, 5, 5]], Kinematics::Green, 0.2)), 0.015, 0.005);
+}
+
+#[test]
+fn zz_sweep() {
+    let cases: Vec<[[u32; 3]; 2]> = vec![
+        [[10, 1, 1], [10, 1, 1]],
+        [[10, 2, 2], [10, 2, 2]],
+        [[10, 2, 2], [10, 3, 3]],
+        [[10, 1, 1], [10, 2, 2]],
+        [[10, 1, 1], [8, 2, 3]],
+        [[10, 3, 2], [12, 3, 4]],
+    ];
+    for cells in cases {
+        for cfl in [0.3, 0.6] {
+            for k in [Kinematics::Green] {
+                let o = collide(setup(cells, k, cfl));
+                println!(
+                    "{cells:?} {cfl} {k:?} end={:.2} pulse={:.2} dE={:.2} passes={} ch={:.1e} v={:.4} {:.4} n={}",
+                    100.0 * o.end_error,
+                    100.0 * o.pulse_error,
+                    100.0 * o.energy_error,
+                    o.passes,
+                    o.last_change,
+                    o.velocities[0],
+                    o.velocities[1],
+                    o.n
+                );
+            }
+        }
+    }
+}
+#[test]
+fn zz_one() {
+    let mut world = World::new(setup([[10, 1, 1], [10, 1, 1]], Kinematics::Green, 0.3)).unwrap();
+    let mut n = 0;
+    run(&mut world, 2.0e-4, |_, s| {
+        n += 1;
+        println!(
+            "S {n} t={:.3} dis={:.5} strain={:.4} kin={:.4} F={:.3e} pairs={} passes={} ch={:.1e}",
+            s.step.time_s / 9.89e-5,
+            s.dissipated_j,
+            s.strain_j,
+            s.kinetic_j,
+            s.step.contact_force_n,
+            s.step.contact_pairs,
+            s.step.passes,
+            s.step.last_change
+        );
+    });
 }
