@@ -269,7 +269,25 @@ fn deal_blows(
         square_j += 0.5 * impulse.dot(made_m_s);
         work_j += impulse.dot(start_m_s + made_m_s * 0.5);
     }
-    if std::env::var("DBG").is_ok() { for (i,c) in constraints.iter().enumerate() { println!("  {} {:?} {:?} n={:.2?} x={:.4?} size={:.4} E={:.3e} e={:.2} imp={:.2e}->{:.2e} gap={:.2e}", if aimed.contains(&i) {'*'} else {' '},c.bodies,c.feature,c.normal.to_array(),c.place_m.to_array(),c.size_m,c.stored.energy_j,c.stored.speed_m_s,impulses[i].length(),c.impulse_n_s.length(),c.gap_m/c.size_m);} println!("  blow spent={spent_j:.3e} work={work_j:.3e} sq={square_j:.3e}"); }
+    if std::env::var("DBG").is_ok() {
+        for (i, c) in constraints.iter().enumerate() {
+            println!(
+                "  {} {:?} {:?} n={:.2?} x={:.4?} size={:.4} E={:.3e} e={:.2} imp={:.2e}->{:.2e} gap={:.2e}",
+                if aimed.contains(&i) { '*' } else { ' ' },
+                c.bodies,
+                c.feature,
+                c.normal.to_array(),
+                c.place_m.to_array(),
+                c.size_m,
+                c.stored.energy_j,
+                c.stored.speed_m_s,
+                impulses[i].length(),
+                c.impulse_n_s.length(),
+                c.gap_m / c.size_m
+            );
+        }
+        println!("  blow spent={spent_j:.3e} work={work_j:.3e} sq={square_j:.3e}");
+    }
     let mut share = share_of_blow(spent_j, work_j, square_j);
     if share < OBSTRUCTED {
         share = 0.0;

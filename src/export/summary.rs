@@ -120,12 +120,14 @@ pub struct BodySummary {
 pub struct ContactSummary {
     /// Names of the bodies.
     pub bodies: [String; 2],
-    /// Begin, s.
+    /// Time of the first impulse, s.
     pub begin_s: f64,
-    /// End, s.
+    /// Time of the last impulse, s.
     pub end_s: f64,
     /// When all but a thousandth of the impulse had been passed on, s: the end of the collision proper.
     pub impulse_end_s: f64,
+    /// Length of the rectangular pulse with the same spread in time, s: the collision's length of wave theory.
+    pub pulse_length_s: f64,
     /// Impulse on the first body, N s.
     pub impulse_n_s: [f64; 3],
 }
@@ -138,6 +140,7 @@ impl ContactSummary {
             begin_s: episode.begin_s,
             end_s: episode.end_s,
             impulse_end_s: episode.impulse_end_s,
+            pulse_length_s: episode.pulse_length_s,
             impulse_n_s: episode.impulse_n_s.to_array(),
         }
     }
