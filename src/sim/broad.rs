@@ -223,12 +223,3 @@ pub(super) fn islands(bodies: &[Body], pairs: &[NearPair]) -> Vec<Vec<usize>> {
     groups.retain(|g| !g.is_empty());
     groups
 }
-
-/// Distance between the centres of the boxes' bounds: used for rest detection, m.
-pub(super) fn centre_distance_m(a: &Body, b: &Body) -> f64 {
-    let centre = |body: &Body| {
-        let sum: DVec3 = body.surface.nodes.iter().map(|n| body.position_m[*n as usize]).sum();
-        sum / body.surface.nodes.len().max(1) as f64
-    };
-    (centre(a) - centre(b)).length()
-}

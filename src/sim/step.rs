@@ -4,7 +4,7 @@ use super::body::Regime;
 use super::broad::islands;
 use super::collide::{ContactOutcome, ContactScene, penetration, respond};
 use super::elastic::StepContext;
-use super::rest::{RestView, fall_asleep, is_near_mover, try_free_travel};
+use super::rest::{RestView, fall_asleep, is_near_mover, record, try_free_travel};
 use super::touch::{Touch, first_touch, prescribed_positions};
 use super::{BodyMotion, SimError, Stage, StepReport, World};
 use crate::contact::CollisionList;
@@ -16,6 +16,12 @@ use std::time::Instant;
 fn even_end(start_s: f64, limit_s: f64, step_s: f64) -> f64 {
     let count = ((limit_s - start_s) / step_s * (1.0 - 1e-9)).ceil();
     if count <= 1.0 { limit_s } else { start_s + (limit_s - start_s) / count }
+}
+
+/// Number and length of the equal elastic steps, of at most `step_s`, in a time.
+fn substeps(duration_s: f64, step_s: f64) -> (u32, f64) {
+    let count = (duration_s / step_s * (1.0 - 1e-12)).ceil().max(1.0);
+    (count as u32, duration_s / count)
 }
 
 /// What the islands did in one step, added up.
@@ -119,7 +125,7 @@ impl World {
         let context = StepContext { time_s: self.time_s, step_s: 0.0, gravity_m_s2: self.setup.gravity_m_s2 };
         // A waking body was finite when it fell asleep or took off; a blow-up shows in its first step.
         let _ = body.update_acceleration(&context);
-        self.rest[index].disturb();
+        self.rest[index].disturb(self.time_s);
         self.rest[index].last_touch_step = self.steps;
     }
 
@@ -162,7 +168,10 @@ impl World {
             self.begin_collision(touch);
             collected.report.stage = Stage::Beginning;
         }
-        self.settle(&groups, &collected);
+        let duration_s = end_s - start_s;
+        for (group, step_s) in groups.iter().zip(&steps_s) {
+            self.settle(group, substeps(duration_s, *step_s).1);
+        }
         Ok(collected.report)
     }
 
@@ -248,9 +257,8 @@ impl World {
         collected: &mut Collected,
     ) -> Result<(), SimError> {
         let duration_s = end_s - self.time_s;
-        let substeps = (duration_s / step_s * (1.0 - 1e-12)).ceil().max(1.0);
-        let h = duration_s / substeps;
-        for substep in 0..substeps as u32 {
+        let (count, h) = substeps(duration_s, step_s);
+        for substep in 0..count {
             let time_s = self.time_s + f64::from(substep + 1) * h;
             let context = StepContext { time_s, step_s: h, gravity_m_s2: self.setup.gravity_m_s2 };
             self.elastic_substep(group, &context, list, collected)?;
@@ -322,6 +330,7 @@ impl World {
             collected.impulse_sum_n_s += sum;
             for c in pressing() {
                 self.log.record(c, context.time_s, context.step_s);
+                record(&mut self.rest, c);
             }
             for body in pressing().flat_map(|c| c.bodies) {
                 self.rest[body as usize].last_touch_step = self.steps;
@@ -344,35 +353,31 @@ impl World {
         self.largest_penetration_ratio = self.largest_penetration_ratio.max(report.max_penetration_ratio);
     }
 
-    /// Lets bodies that have calmed down travel freely or sleep.
-    fn settle(&mut self, groups: &[Vec<usize>], collected: &Collected) {
-        let constraints: Vec<_> = collected.outcomes.iter().flat_map(|o| &o.constraints).copied().collect();
-        for group in groups {
-            for &index in group {
-                if !self.rest[index].is_due(self.time_s) {
-                    continue;
-                }
-                let mut tracker = std::mem::take(&mut self.rest[index]);
-                let view = RestView {
-                    bodies: &self.bodies,
-                    constraints: &constraints,
-                    time_s: self.time_s,
-                    step_s: collected.report.step_s,
-                    gravity_m_s2: self.setup.gravity_m_s2.length(),
-                };
-                tracker.check(index, &view);
-                let since_touch = self.steps - tracker.last_touch_step.min(self.steps);
-                self.rest[index] = tracker;
-                if self.setup.time.free_travel {
-                    let near = is_near_mover(index, &self.bodies, &self.broad.pairs);
-                    let tolerance = self.setup.time.vibration_tolerance;
-                    try_free_travel(&mut self.bodies[index], near, since_touch, tolerance);
-                }
+    /// Lets bodies of an island that have calmed down travel freely or sleep; `step_s` was its elastic step.
+    fn settle(&mut self, group: &[usize], step_s: f64) {
+        for &index in group {
+            if !self.rest[index].is_due(self.time_s) {
+                continue;
             }
-            let rests = |b: &usize| self.bodies[*b].regime == Regime::Elastic && self.rest[*b].is_quiet();
-            if self.setup.time.sleeping && group.iter().all(rests) {
-                group.iter().for_each(|b| fall_asleep(&mut self.bodies[*b]));
+            let mut tracker = std::mem::take(&mut self.rest[index]);
+            let view = RestView {
+                bodies: &self.bodies,
+                time_s: self.time_s,
+                step_s,
+                gravity_m_s2: self.setup.gravity_m_s2.length(),
+            };
+            tracker.check(index, &view);
+            let since_touch = self.steps - tracker.last_touch_step.min(self.steps);
+            self.rest[index] = tracker;
+            if self.setup.time.free_travel {
+                let near = is_near_mover(index, &self.bodies, &self.broad.pairs);
+                let tolerance = self.setup.time.vibration_tolerance;
+                try_free_travel(&mut self.bodies[index], near, since_touch, tolerance);
             }
+        }
+        let rests = |b: &usize| self.bodies[*b].regime == Regime::Elastic && self.rest[*b].is_quiet();
+        if self.setup.time.sleeping && group.iter().all(rests) {
+            group.iter().for_each(|b| fall_asleep(&mut self.bodies[*b]));
         }
     }
 }
