@@ -307,7 +307,7 @@ impl Paths {
         let height = (self.x - patch[0]).dot(normal);
         let reach_m = if height > 0.0 {
             let patch_v2 = self.patch_v.iter().map(|u| u.length_squared()).fold(0.0, f64::max);
-            NEAR * size_m + slack_m + self.step_s * (self.v.length() + patch_v2.sqrt())
+            NEAR * size_m + slack_m + self.step_s * (self.v.length_squared().sqrt() + patch_v2.sqrt())
         } else {
             HELD_PAIR_DEPTH * size_m
         };

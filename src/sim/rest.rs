@@ -23,7 +23,7 @@ const LOOKS: u32 = 12;
 /// Largest speed of vibration (of the kinetic energy) of a resting body, as a share of `sqrt(g r)`.
 const REST_SPEED_SHARE: f64 = 5e-3;
 /// Way and turn since the first quiet window, over the body's radius and in radians, that count as none.
-const STILL: f64 = 1e-4;
+const STILL: f64 = 3e-4;
 /// Change of a resultant force from window to window, as a share of all that press on the body, that counts
 /// as none; and of its centre, as a share of the body's radius.
 const STEADY_FORCE: f64 = 0.05;

@@ -182,19 +182,31 @@ impl World {
 
     /// Renews the broad phase and wakes what an elastic body has come near, until nothing new is woken.
     fn wake_neighbours(&mut self, step_s: f64) {
-        if self.bodies.iter().any(|b| matches!(b.regime, Regime::Free(_))) {
-            self.place_free_bodies();
-        }
         loop {
-            self.broad.update(&self.bodies, step_s);
-            let sleeping = |b: &usize| matches!(self.bodies[*b].regime, Regime::Free(_) | Regime::Asleep);
-            let near: Vec<usize> =
-                self.broad.pairs.iter().flat_map(|p| p.bodies).filter(|b| sleeping(b)).collect();
+            self.broad.renew_bounds(&self.bodies, step_s);
+            for (index, body) in self.bodies.iter_mut().enumerate() {
+                // Nodes of bodies in free travel are only placed when something may meet them.
+                if let (Regime::Free(motion), true) = (body.regime, self.broad.is_close(index)) {
+                    body.take_rigid_state(&motion);
+                }
+            }
+            self.broad.update(&self.bodies, self.time_s, step_s);
+            let near = self.sleepers_near();
             if near.is_empty() {
                 return;
             }
             near.into_iter().for_each(|b| self.wake(b));
         }
+    }
+
+    /// Free and sleeping bodies that a moving one has come near.
+    fn sleepers_near(&self) -> Vec<usize> {
+        let is_sleeping = |b: &usize| matches!(self.bodies[*b].regime, Regime::Free(_) | Regime::Asleep);
+        let mut near: Vec<usize> =
+            self.broad.pairs.iter().flat_map(|p| p.bodies).filter(is_sleeping).collect();
+        near.sort_unstable();
+        near.dedup();
+        near
     }
 
     /// First touch of free bodies with others that do not deform, before `end_s`; looked for once per free
