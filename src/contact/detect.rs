@@ -22,6 +22,9 @@ const NEW_PAIR_DEPTH: f64 = 4e-4;
 const HELD_PAIR_DEPTH: f64 = 0.05;
 /// Cosine of the angle up to which two patches at a node are one plane.
 const SAME_PLANE: f64 = 0.9999;
+/// Mean of the cosines between the edges at a node and a patch's normal down to which the node's body counts as lying
+/// in front of the patch.
+const IN_FRONT: f64 = 0.1;
 /// Sine of the angle by which an edge's contact normal may lie outside the fan of its face normals. Generous: flush
 /// bodies (two rods of the same width) tilt against each other by the strain at the contact, and a
 /// node that has slipped off a flush border is held by nothing but these pairs.
@@ -210,6 +213,9 @@ impl<'a> NodeSide<'a> {
             return false;
         }
         let is_one_plane = rival.normal.dot(c.normal) > SAME_PLANE;
+        let own = &self.views[0];
+        let is_in_front =
+            |c: &Constraint| own.surface.inward(c.nodes[0].1, own.positions_m).dot(c.normal) > -IN_FRONT;
         if !is_one_plane && !self.is_convex_between(a, c) {
             return false;
         }
@@ -218,11 +224,12 @@ impl<'a> NodeSide<'a> {
             let is_held = self.pair.list.holds(key, c.normal);
             let inside = c.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min);
             if is_one_plane {
-                return (is_held, inside, 0.0, std::cmp::Reverse(triangle));
+                return (u8::from(is_held), inside, 0.0, std::cmp::Reverse(triangle));
             }
-            // Of two faces of an edge the one that holds already, is less deep, is closed faster.
+            // Of two faces of an edge the one that the node's own body lies in front of, that holds already,
+            // is less deep, is closed faster. Where flush corners meet, a node is on the top and on the side face.
             let depth = (c.gap_m / c.size_m / NEW_PAIR_DEPTH).round();
-            (is_held, depth, c.closing_m_s, std::cmp::Reverse(triangle))
+            (4 * u8::from(is_in_front(c)) + u8::from(is_held), depth, c.closing_m_s, std::cmp::Reverse(triangle))
         };
         rank(rival, a).partial_cmp(&rank(c, b)) == Some(std::cmp::Ordering::Greater)
     }
