@@ -189,8 +189,7 @@ impl<'a> NodeSide<'a> {
     /// Nodes of the first body (`side` 0) or of the second.
     fn new(pair: &'a PairView<'a>, side: usize) -> Self {
         let ([a, b], [first, second]) = (pair.bodies, pair.views);
-        let (bodies, views) =
-            if side == 0 { ([a, b], [first, second]) } else { ([b, a], [second, first]) };
+        let (bodies, views) = if side == 0 { ([a, b], [first, second]) } else { ([b, a], [second, first]) };
         Self { bodies, views, pair }
     }
 
@@ -229,7 +228,12 @@ impl<'a> NodeSide<'a> {
             // Of two faces of an edge the one that the node's own body lies in front of, that holds already,
             // is less deep, is closed faster. Where flush corners meet, a node is on the top and on the side face.
             let depth = (c.gap_m / c.size_m / NEW_PAIR_DEPTH).round();
-            (4 * u8::from(is_in_front(c)) + u8::from(is_held), depth, c.closing_m_s, std::cmp::Reverse(triangle))
+            (
+                4 * u8::from(is_in_front(c)) + u8::from(is_held),
+                depth,
+                c.closing_m_s,
+                std::cmp::Reverse(triangle),
+            )
         };
         rank(rival, a).partial_cmp(&rank(c, b)) == Some(std::cmp::Ordering::Greater)
     }

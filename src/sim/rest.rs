@@ -79,7 +79,8 @@ impl Window {
     fn presses_as(&self, before: &Self, durations_s: [f64; 2], radius_m: f64) -> bool {
         let [now_s, before_s] = durations_s;
         let total_n = self.pressures.iter().map(|p| p.length_n_s).sum::<f64>() / now_s;
-        let zero = |other| Pressure { other, impulse_n_s: DVec3::ZERO, length_n_s: 0.0, moment_n_s_m: DVec3::ZERO };
+        let zero =
+            |other| Pressure { other, impulse_n_s: DVec3::ZERO, length_n_s: 0.0, moment_n_s_m: DVec3::ZERO };
         let of = |window: &Self, other| {
             window.pressures.iter().find(|p| p.other == other).copied().unwrap_or(zero(other))
         };
@@ -110,11 +111,8 @@ pub(super) struct RestTracker {
 impl RestTracker {
     /// Starts anew, after something acted on the body.
     pub fn disturb(&mut self, time_s: f64) {
-        *self = Self {
-            window: Window::from(time_s),
-            last_touch_step: self.last_touch_step,
-            ..Self::default()
-        };
+        *self =
+            Self { window: Window::from(time_s), last_touch_step: self.last_touch_step, ..Self::default() };
     }
 
     pub fn is_quiet(&self) -> bool {
@@ -177,9 +175,10 @@ impl RestTracker {
         let is_still = self.anchor.is_some_and(|centre_m| {
             (pose.0 - centre_m).length() <= STILL * body.radius_m && pose.1.length() <= STILL
         });
-        let is_steady = self.last.as_ref().is_some_and(|(last, last_s)| {
-            self.window.presses_as(last, [duration_s, *last_s], body.radius_m)
-        });
+        let is_steady = self
+            .last
+            .as_ref()
+            .is_some_and(|(last, last_s)| self.window.presses_as(last, [duration_s, *last_s], body.radius_m));
         let is_calm = self.window.kinetic_j <= world.rest_energy_j(body);
         if is_still && is_steady && is_calm && self.may_rest(body, world) {
             self.quiet_windows += 1;
