@@ -120,20 +120,21 @@ pub struct Near {
 }
 
 impl Near {
-    /// Sorts out the candidates that cannot touch in the step, even if the way of each point relative to any
-    /// other changes by `slack_m`.
+    /// Sorts out the candidates that cannot touch in the step, whose points come no nearer to each other than by
+    /// `way_m`, even if their ways change by `slack_m` on top of that.
     #[must_use]
-    pub fn of(pair: &PairView, slack_m: f64) -> Self {
+    pub fn of(pair: &PairView, way_m: f64, slack_m: f64) -> Self {
         let near_nodes = |side: usize, candidates: &[(u32, u32)]| {
             let side = NodeSide::new(pair, side);
-            let mut near: Vec<NearPair> = candidates.iter().filter_map(|c| side.near(*c, slack_m)).collect();
+            let near = candidates.iter().filter_map(|c| side.near(*c, way_m, slack_m));
+            let mut near: Vec<NearPair> = near.collect();
             near.sort_by_key(|n| n.feature);
             near
         };
         let c = pair.candidates;
         Self {
             nodes: [near_nodes(0, &c.node_on_second), near_nodes(1, &c.node_on_first)],
-            edges: c.edge_pairs.iter().filter_map(|c| near_edges(pair, *c, slack_m)).collect(),
+            edges: c.edge_pairs.iter().filter_map(|c| near_edges(pair, *c, way_m + slack_m)).collect(),
         }
     }
 
@@ -248,19 +249,19 @@ impl<'a> NodeSide<'a> {
     }
 
     /// The node and the patch if they may touch.
-    fn near(&self, (node, triangle): (u32, u32), slack_m: f64) -> Option<NearPair> {
+    fn near(&self, (node, triangle): (u32, u32), way_m: f64, slack_m: f64) -> Option<NearPair> {
         let [own, other] = &self.views;
         let corners = other.surface.triangles[triangle as usize];
         let size_m =
             other.surface.triangle_size_m[triangle as usize].min(own.surface.node_size_m[node as usize]);
-        let path = self.paths(node, corners);
-        if path.is_out_of_reach(size_m, slack_m) {
+        let x = own.positions_m[node as usize];
+        let patch_m = corners.map(|n| other.positions_m[n as usize]);
+        if is_out_of_reach(x, patch_m, [NEAR * size_m + way_m + slack_m, HELD_PAIR_DEPTH * size_m]) {
             return None;
         }
-        let geometry = Geometry::node_on_patch(path.x, path.patch_m)?;
+        let geometry = Geometry::node_on_patch(x, patch_m)?;
         let foot = foot(&geometry);
-        let is_beside = foot < -BORDER
-            && (geometry.gap_m <= 0.0 || -foot * size_m > 4.0 * (path.tangential_m() + slack_m));
+        let is_beside = foot < -BORDER && (geometry.gap_m <= 0.0 || -foot * size_m > 4.0 * (way_m + slack_m));
         if is_beside || geometry.gap_m < -HELD_PAIR_DEPTH * size_m {
             return None;
         }
@@ -300,6 +301,15 @@ fn foot(geometry: &Geometry) -> f64 {
     geometry.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min)
 }
 
+/// A cheap look before the geometry: whether the node is further above the patch's plane or deeper below it
+/// than the two ways, m.
+fn is_out_of_reach(x: DVec3, patch_m: [DVec3; 3], [above_m, below_m]: [f64; 2]) -> bool {
+    let normal = (patch_m[1] - patch_m[0]).cross(patch_m[2] - patch_m[0]);
+    let height = (x - patch_m[0]).dot(normal);
+    let reach_m = if height > 0.0 { above_m } else { below_m };
+    height * height > reach_m * reach_m * normal.length_squared()
+}
+
 /// The straight paths of a node and a patch over a step.
 struct Paths {
     x: DVec3,
@@ -310,21 +320,6 @@ struct Paths {
 }
 
 impl Paths {
-    /// A cheap look before the geometry: whether the node is further from the patch's plane than it can
-    /// come in the step, or deeper than any contact.
-    fn is_out_of_reach(&self, size_m: f64, slack_m: f64) -> bool {
-        let patch = &self.patch_m;
-        let normal = (patch[1] - patch[0]).cross(patch[2] - patch[0]);
-        let height = (self.x - patch[0]).dot(normal);
-        let reach_m = if height > 0.0 {
-            let patch_v2 = self.patch_v.iter().map(|u| u.length_squared()).fold(0.0, f64::max);
-            NEAR * size_m + slack_m + self.step_s * (self.v.length_squared().sqrt() + patch_v2.sqrt())
-        } else {
-            HELD_PAIR_DEPTH * size_m
-        };
-        height * height > reach_m * reach_m * normal.length_squared()
-    }
-
     fn touches(&self, geometry: &Geometry, size_m: f64, is_held: bool) -> bool {
         let depth = if is_held { HELD_PAIR_DEPTH } else { NEW_PAIR_DEPTH };
         if geometry.gap_m < -depth * size_m {
@@ -368,15 +363,13 @@ impl Paths {
 }
 
 /// Two edges if they may touch.
-fn near_edges(pair: &PairView, (first, second): (u32, u32), slack_m: f64) -> Option<NearPair> {
+fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Option<NearPair> {
     let [view1, view2] = &pair.views;
     let (n1, n2) = (view1.surface.edges[first as usize].nodes, view2.surface.edges[second as usize].nodes);
     let at = |view: &BodyView, n: [u32; 2]| n.map(|n| view.positions_m[n as usize]);
     let (p, q) = (at(view1, n1), at(view2, n2));
     let size_m = (p[1] - p[0]).length().min((q[1] - q[0]).length());
-    let speeds = n1.iter().map(|n| view1.velocity(*n)).chain(n2.iter().map(|n| view2.velocity(*n)));
-    let fastest_m_s = speeds.map(|v| v.length_squared()).fold(0.0, f64::max).sqrt();
-    let reach_m = HELD_PAIR_DEPTH * size_m + 2.0 * fastest_m_s * pair.step_s + slack_m;
+    let reach_m = HELD_PAIR_DEPTH * size_m + way_m;
     if !edges_may_touch(p, q, reach_m) {
         return None;
     }
@@ -468,7 +461,7 @@ mod tests {
             list: &CollisionList::default(),
         };
         let mut out = Vec::new();
-        Near::of(&pair, 0.0).find(&pair, &mut out);
+        Near::of(&pair, step_s * velocity.length(), 0.0).find(&pair, &mut out);
         out.len()
     }
 

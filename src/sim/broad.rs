@@ -16,6 +16,10 @@ const MARGIN_STEPS: f64 = 8.0;
 /// and in so many while that is less than [`MARGIN`].
 const MOST_MARGIN_STEPS: f64 = 32.0;
 
+/// The same for boxes of a body around itself, which hold as long as its shape changes but little. Neighbours are left
+/// out anyway (`candidates::within`), so that a wide margin brings hardly more candidates.
+const OWN_MARGIN: f64 = 0.5;
+
 /// Candidates of a pair of bodies and the states of the boxes they come from.
 pub(super) struct NearPair {
     /// The bodies, the smaller number first; twice the same for self-collision.
@@ -44,27 +48,27 @@ struct OwnBoxes {
     boxes: SurfaceBoxes,
     stamp: u64,
     orientation: DQuat,
-    /// Way that nodes may make before the next look, m.
+    /// Way that nodes may still make before the next look, m.
     spare_m: f64,
-    looked_at_s: f64,
+    time_s: f64,
 }
 
 impl OwnBoxes {
     fn around(body: &Body, stamp: u64, time_s: f64) -> Self {
-        let margin_m = MARGIN * body.mean_size_m;
+        let margin_m = OWN_MARGIN * body.mean_size_m;
         let boxes = SurfaceBoxes::around(&body.surface, &body.position_m, margin_m);
         let spare_m = OWN_SHARE * margin_m;
-        Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m, looked_at_s: time_s }
+        Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m, time_s }
     }
 
     /// Whether the shape may have changed by more than the boxes allow since they were built.
     fn is_outrun(&mut self, body: &Body, time_s: f64) -> bool {
         // Seen from the body's centre, no node gets further than twice its way; as much again for speeding up.
-        let way_m = 4.0 * fastest_m_s(body) * (time_s - self.looked_at_s);
-        if way_m < self.spare_m {
+        self.spare_m -= 4.0 * fastest_m_s(body) * (time_s - self.time_s);
+        self.time_s = time_s;
+        if self.spare_m > 0.0 {
             return false;
         }
-        self.looked_at_s = time_s;
         self.spare_m = OWN_SHARE * self.boxes.margin_m() - self.change_m(body);
         self.spare_m < 0.0
     }
@@ -209,7 +213,7 @@ impl BroadPhase {
     pub fn valid_for_s(&self, bodies: &[Body]) -> f64 {
         let entries = self.entries.iter().zip(bodies);
         entries
-            .filter(|(_, body)| matches!(body.regime, Regime::Elastic | Regime::Kinematic))
+            .filter(|(_, body)| !matches!(body.regime, Regime::Fixed | Regime::Asleep))
             .map(|(entry, body)| {
                 let boxes = entry.boxes.as_ref().filter(|_| entry.is_close);
                 let margin_m = boxes.map_or(entry.margin_m, |b| b.margin_m());

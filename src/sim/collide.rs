@@ -1,7 +1,7 @@
 //! Contact within one step of one island: detect, respond, book.
 
 use super::body::{Body, Regime};
-use super::broad::NearPair;
+use super::broad::{NearPair, fastest_m_s};
 use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
 use crate::contact::response::{
@@ -59,6 +59,12 @@ impl ContactScene<'_> {
             step_s: self.step_s,
             list: self.list,
         }
+    }
+
+    /// What is near in the step; the response may change the ways of the points relative to each other by `slack_m`.
+    fn near(&self, pair: &NearPair, slack_m: f64) -> Near {
+        let way_m = self.step_s * pair.bodies.map(|b| fastest_m_s(&self.bodies[b])).iter().sum::<f64>();
+        Near::of(&self.pair_view(pair), way_m, slack_m)
     }
 
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
@@ -228,7 +234,7 @@ impl Look {
         let near = scene.pairs.iter().map(|pair| {
             let sizes = pair.bodies.map(|b| scene.bodies[b].mean_size_m);
             let slack_m = LOOK_SLACK * sizes[0].min(sizes[1]);
-            (Near::of(&scene.pair_view(pair), slack_m), slack_m)
+            (scene.near(pair, slack_m), slack_m)
         });
         Self { near: near.collect() }
     }
@@ -243,7 +249,7 @@ impl Look {
             if change_m > *slack_m {
                 *slack_m = 2.0 * change_m;
                 // The velocities are the corrected ones now, a change away from those that slack counts from.
-                *near = Near::of(&scene.pair_view(pair), *slack_m + change_m);
+                *near = scene.near(pair, *slack_m + change_m);
             }
         }
     }

@@ -41,6 +41,16 @@ fn slide(friction_coefficient: f64, degrees: f64) -> (f64, f64) {
 
 /// See [`slide`].
 fn slide_for(friction_coefficient: f64, degrees: f64, sleeping: bool) -> (f64, f64) {
+    let (mut world, tilt) = incline(friction_coefficient, degrees, sleeping);
+    let start = world.body_pose(1).1;
+    run(&mut world, 1.0, |_, _| {});
+    let down = tilt * DVec3::X;
+    let speed = world.body_momentum_kg_m_s(1).dot(down) / world.mass_kg(1);
+    ((world.body_pose(1).1 - start).dot(down), speed)
+}
+
+/// A block on an incline, and how the incline is turned.
+fn incline(friction_coefficient: f64, degrees: f64, sleeping: bool) -> (World, DQuat) {
     let tilt = DQuat::from_rotation_y(degrees.to_radians());
     let mut ramp = fixed("ramp", box_mesh(DVec3::new(40.0, 2.0, 0.2), [1, 1, 1], DVec3::Z * -0.1));
     let place = DVec3::new(-10.0, 0.0, 0.05);
@@ -53,12 +63,7 @@ fn slide_for(friction_coefficient: f64, degrees: f64, sleeping: bool) -> (f64, f
     let mut setup = world(vec![ramp, block]);
     setup.contact.friction_coefficient = friction_coefficient;
     setup.time.sleeping = sleeping;
-    let mut world = World::new(setup).unwrap();
-    let start = world.body_pose(1).1;
-    run(&mut world, 1.0, |_, _| {});
-    let down = tilt * DVec3::X;
-    let speed = world.body_momentum_kg_m_s(1).dot(down) / world.mass_kg(1);
-    ((world.body_pose(1).1 - start).dot(down), speed)
+    (World::new(setup).unwrap(), tilt)
 }
 
 #[test]
@@ -189,6 +194,20 @@ fn a_sleeping_stack_wakes_when_something_lands_on_it() {
         assert!(world.largest_penetration_ratio() < 1e-3);
     });
     assert!(world.is_deforming() && most_j > 10.0 * before, "{most_j} J after {before} J");
+}
+
+#[test]
+fn a_sleeping_block_slides_when_friction_is_lowered() {
+    let (mut world, tilt) = incline(0.8, 20.0, true);
+    run(&mut world, 1.0, |_, _| {});
+    assert!(!world.is_deforming());
+    let start = world.body_pose(1).1;
+    let mut contact = world.setup().contact.clone();
+    contact.friction_coefficient = 0.1;
+    world.set_contact_parameters(contact).unwrap();
+    run(&mut world, 1.5, |_, _| {});
+    let way_m = (world.body_pose(1).1 - start).dot(tilt * DVec3::X);
+    assert!(way_m > 0.2, "slid by {way_m} m");
 }
 
 #[test]
