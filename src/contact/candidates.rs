@@ -153,6 +153,8 @@ pub fn within(body: Boxed, reference_m: &[DVec3]) -> Candidates {
 /// Reference distance, in local element sizes, up to which features of one body are neighbours.
 const NEIGHBOUR: f64 = 2.0;
 
+/// Share of their margins that features may have moved by the end of a step for which their boxes still serve.
+const MARGIN_USED: f64 = 0.75;
 /// Depth, in local element sizes, down to which features that have gone through each other are kept.
 const DEPTH: f64 = 0.05;
 
@@ -163,8 +165,8 @@ fn push_nodes(out: &mut Vec<(u32, u32)>, nodes_of: Speaker, patch: Speaker, is_s
     let owns = surface.owns_node[speaker as usize];
     let corners = patch_surface.corners_m(triangle, &patch_boxes.positions_m);
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    let reach_m =
-        boxes.margin_m + patch_boxes.margin_m + DEPTH * patch_surface.triangle_size_m[triangle as usize];
+    let margins_m = boxes.margin_m + patch_boxes.margin_m;
+    let reach_m = MARGIN_USED * margins_m + DEPTH * patch_surface.triangle_size_m[triangle as usize];
     // The distance from the plane bounds the one from the patch, which no motion within the margins changes by more.
     let is_in_reach = |node: u32| {
         let height = (boxes.positions_m[node as usize] - corners[0]).dot(normal);
@@ -203,6 +205,6 @@ fn push_edges(out: &mut Vec<(u32, u32)>, first: Speaker, second: Speaker, is_swe
 fn are_lines_near(p: [DVec3; 2], q: [DVec3; 2], margins_m: f64) -> bool {
     let (e1, e2) = (p[1] - p[0], q[1] - q[0]);
     let across = e1.cross(e2);
-    let reach_m = margins_m + DEPTH * e1.length_squared().min(e2.length_squared()).sqrt();
+    let reach_m = MARGIN_USED * margins_m + DEPTH * e1.length_squared().min(e2.length_squared()).sqrt();
     (q[0] - p[0]).dot(across).powi(2) <= reach_m * reach_m * across.length_squared()
 }

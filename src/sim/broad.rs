@@ -16,9 +16,9 @@ const MARGIN_STEPS: f64 = 8.0;
 /// and in so many while that is less than [`MARGIN`].
 const MOST_MARGIN_STEPS: f64 = 32.0;
 
-/// The same for boxes of a body around itself, which hold as long as its shape changes but little. Neighbours are left
-/// out anyway (`candidates::within`), so that a wide margin brings hardly more candidates.
-const OWN_MARGIN: f64 = 0.5;
+/// The same for boxes of a body around itself, which hold as long as its shape changes but little: rebuilding them costs
+/// most of the search in soft bodies, candidates on the far side of thin ones the rest.
+const OWN_MARGIN: f64 = 0.3;
 
 /// Candidates of a pair of bodies and the states of the boxes they come from.
 pub(super) struct NearPair {

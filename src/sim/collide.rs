@@ -63,6 +63,9 @@ impl ContactScene<'_> {
 
     /// What is near in the step; the response may change the ways of the points relative to each other by `slack_m`.
     fn near(&self, pair: &NearPair, slack_m: f64) -> Near {
+        if pair.candidates.is_empty() {
+            return Near::default();
+        }
         let way_m = self.step_s * pair.bodies.map(|b| fastest_m_s(&self.bodies[b])).iter().sum::<f64>();
         Near::of(&self.pair_view(pair), way_m, slack_m)
     }
