@@ -109,8 +109,8 @@ pub fn between(first: Boxed, second: Boxed, is_swept: bool) -> Candidates {
         if !overlap(&b1.boxes[t1 as usize], &b2.boxes[t2 as usize]) {
             continue;
         }
-        push_nodes(&mut found.node_on_second, (s1, b1, t1), (b2, t2), is_swept);
-        push_nodes(&mut found.node_on_first, (s2, b2, t2), (b1, t1), is_swept);
+        push_nodes(&mut found.node_on_second, (s1, b1, t1), (s2, b2, t2), is_swept);
+        push_nodes(&mut found.node_on_first, (s2, b2, t2), (s1, b1, t1), is_swept);
         push_edges(&mut found.edge_pairs, (s1, b1, t1), (s2, b2, t2), is_swept);
     }
     found
@@ -132,8 +132,8 @@ pub fn within(body: Boxed, reference_m: &[DVec3]) -> Candidates {
         {
             continue;
         }
-        push_nodes(&mut found.node_on_second, (surface, boxes, t1), (boxes, t2), false);
-        push_nodes(&mut found.node_on_second, (surface, boxes, t2), (boxes, t1), false);
+        push_nodes(&mut found.node_on_second, (surface, boxes, t1), (surface, boxes, t2), false);
+        push_nodes(&mut found.node_on_second, (surface, boxes, t2), (surface, boxes, t1), false);
         push_edges(&mut found.edge_pairs, (surface, boxes, t1), (surface, boxes, t2), false);
     }
     let at = |n: u32| reference_m[n as usize];
@@ -153,17 +153,29 @@ pub fn within(body: Boxed, reference_m: &[DVec3]) -> Candidates {
 /// Reference distance, in local element sizes, up to which features of one body are neighbours.
 const NEIGHBOUR: f64 = 2.0;
 
-fn push_nodes(
-    out: &mut Vec<(u32, u32)>,
-    (surface, boxes, speaker): (&ContactSurface, &SurfaceBoxes, u32),
-    (patch_boxes, patch): (&SurfaceBoxes, u32),
-    is_swept: bool,
-) {
+/// Share of their margins that features may have moved by the end of a step for which their boxes still serve.
+const MARGIN_USED: f64 = 0.75;
+/// Depth, in local element sizes, down to which features that have gone through each other are kept.
+const DEPTH: f64 = 0.05;
+
+fn push_nodes(out: &mut Vec<(u32, u32)>, nodes_of: Speaker, patch: Speaker, is_swept: bool) {
+    let (surface, boxes, speaker) = nodes_of;
+    let (patch_surface, patch_boxes, triangle) = patch;
     let nodes = surface.triangles[speaker as usize];
     let owns = surface.owns_node[speaker as usize];
+    let corners = patch_surface.corners_m(triangle, &patch_boxes.positions_m);
+    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    let margins_m = boxes.margin_m + patch_boxes.margin_m;
+    let reach_m = MARGIN_USED * margins_m + DEPTH * patch_surface.triangle_size_m[triangle as usize];
+    // The distance from the plane bounds the one from the patch, which no motion within the margins changes by more.
+    let is_in_reach = |node: u32| {
+        let height = (boxes.positions_m[node as usize] - corners[0]).dot(normal);
+        height * height <= reach_m * reach_m * normal.length_squared()
+            && overlap(&boxes.node_box(node), &patch_boxes.boxes[triangle as usize])
+    };
     for (node, _) in nodes.into_iter().zip(owns).filter(|(_, owns)| *owns) {
-        if is_swept || overlap(&boxes.node_box(node), &patch_boxes.boxes[patch as usize]) {
-            out.push((node, patch));
+        if is_swept || is_in_reach(node) {
+            out.push((node, triangle));
         }
     }
 }
@@ -175,15 +187,24 @@ fn push_edges(out: &mut Vec<(u32, u32)>, first: Speaker, second: Speaker, is_swe
         surface.owned_edges[t as usize].map(|e| {
             let edge = e.filter(|e| surface.edges[*e as usize].is_sharp)?;
             let ends = surface.edges[edge as usize].nodes.map(|n| boxes.positions_m[n as usize]);
-            Some((edge, box_around(ends, boxes.margin_m)))
+            Some((edge, box_around(ends, boxes.margin_m), ends))
         })
     };
+    let margins_m = first.1.margin_m + second.1.margin_m;
     let others = sharp(second);
-    for (e1, box1) in sharp(first).into_iter().flatten() {
-        for (e2, box2) in others.iter().flatten() {
-            if is_swept || overlap(&box1, box2) {
+    for (e1, box1, p) in sharp(first).into_iter().flatten() {
+        for (e2, box2, q) in others.iter().flatten() {
+            if is_swept || (overlap(&box1, box2) && are_lines_near(p, *q, margins_m)) {
                 out.push((e1, *e2));
             }
         }
     }
+}
+
+/// Whether the lines through two edges come as near as the margins allow.
+fn are_lines_near(p: [DVec3; 2], q: [DVec3; 2], margins_m: f64) -> bool {
+    let (e1, e2) = (p[1] - p[0], q[1] - q[0]);
+    let across = e1.cross(e2);
+    let reach_m = MARGIN_USED * margins_m + DEPTH * e1.length_squared().min(e2.length_squared()).sqrt();
+    (q[0] - p[0]).dot(across).powi(2) <= reach_m * reach_m * across.length_squared()
 }

@@ -1,10 +1,14 @@
 //! From candidates to constraints: which pairs touch, or would at the end of the step.
+//!
+//! A step asks more than once, with other velocities each time, since the response to some pairs may close
+//! others. What depends on positions alone is worked out once, in [`Near`]; the looks that follow are cheap.
 
 use super::atomic::{AtomicCase, Verdict};
 use super::candidates::Candidates;
+use super::collision_list::CollisionList;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
-use super::impact::{ImpactStore, ImpactStores};
+use super::impact::ImpactStore;
 use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
 use glam::DVec3;
@@ -17,14 +21,11 @@ const NEAR: f64 = 1e-3;
 const NEW_PAIR_DEPTH: f64 = 4e-4;
 /// Penetration that a node already held by the same body may carry when it slides on to the next patch.
 const HELD_PAIR_DEPTH: f64 = 0.05;
-/// How far a held node may stand out over the border of its patch, in the patch's own coordinates. Flush bodies
-/// strain sideways by less; a node that had to let go of the face for that would be behind the face round the corner when
-/// it comes back.
-const HELD_BORDER: f64 = 0.02;
-/// Cosine of the angle up to which a patch continues the one that held a node before.
-const SAME_SIDE: f64 = 0.8;
 /// Cosine of the angle up to which two patches at a node are one plane.
 const SAME_PLANE: f64 = 0.9999;
+/// Mean of the cosines between the edges at a node and a patch's normal down to which the node's body counts as lying
+/// in front of the patch.
+const IN_FRONT: f64 = 0.1;
 /// Sine of the angle by which an edge's contact normal may lie outside the fan of its face normals. Generous: flush
 /// bodies (two rods of the same width) tilt against each other by the strain at the contact, and a
 /// node that has slipped off a flush border is held by nothing but these pairs.
@@ -41,6 +42,12 @@ pub struct BodyView<'a> {
     pub velocities_m_s: &'a [DVec3],
 }
 
+impl BodyView<'_> {
+    fn velocity(&self, node: u32) -> DVec3 {
+        self.velocities_m_s[node as usize]
+    }
+}
+
 /// Two bodies (or one twice) and what may meet between them.
 #[derive(Clone, Copy)]
 pub struct PairView<'a> {
@@ -52,112 +59,148 @@ pub struct PairView<'a> {
     pub candidates: &'a Candidates,
     /// Coulomb friction coefficient.
     pub friction_coefficient: f64,
+    /// Length of the step, s.
+    pub step_s: f64,
+    /// Which pairs pressed in the last step.
+    pub list: &'a CollisionList,
 }
 
-type HeldNode = (u32, u32, u32);
-
-/// Which pairs pressed in the last step ("as in the last step" in the atomic table).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CollisionList {
-    /// (body of the node, node, body of the patch), sorted, and the normal.
-    held_nodes: Vec<(HeldNode, DVec3)>,
-    /// (first body, second body, first edge, second edge), sorted.
-    held_edges: Vec<(u32, u32, u32, u32)>,
-    /// Energy of their impacts.
-    stores: ImpactStores,
+/// Two features so near that they may touch within the step, and how they lie at its start.
+#[derive(Clone, Copy, Debug)]
+struct NearPair {
+    feature: Feature,
+    nodes: [(u8, u32); 4],
+    geometry: Geometry,
+    size_m: f64,
 }
 
-impl CollisionList {
-    /// The pairs that press with an impulse; a share `left` of what impacts stored remains.
+impl NearPair {
+    /// Relative velocity along the normal, m/s; negative when they close in.
+    fn opening_m_s(&self, views: &[BodyView; 2]) -> f64 {
+        let nodes = self.nodes.iter().zip(self.geometry.weights);
+        nodes.map(|((side, n), w)| views[*side as usize].velocity(*n).dot(self.geometry.normal) * w).sum()
+    }
+
+    /// Gap at the end of the step, m.
+    fn gap_after_m(&self, views: &[BodyView; 2], step_s: f64) -> f64 {
+        self.geometry.gap_m + step_s * self.opening_m_s(views)
+    }
+
+    fn constraint(&self, bodies: [u32; 2], views: &[BodyView; 2], pair: &PairView) -> Constraint {
+        let g = &self.geometry;
+        let at = |k: usize| views[self.nodes[k].0 as usize].positions_m[self.nodes[k].1 as usize];
+        let place_m = match self.feature {
+            Feature::NodeOnPatch { .. } => at(0),
+            Feature::EdgeOnEdge { .. } => at(0) * g.weights[0] + at(1) * g.weights[1],
+        };
+        Constraint {
+            bodies,
+            feature: self.feature,
+            nodes: self.nodes,
+            weights: g.weights,
+            weight_shifts_per_m: g.weight_shifts_per_m,
+            normal: g.normal,
+            gap_m: g.gap_m,
+            place_m,
+            size_m: self.size_m,
+            friction_coefficient: pair.friction_coefficient,
+            closing_m_s: -self.opening_m_s(views),
+            may_bounce: true,
+            stored: ImpactStore::default(),
+            target_m_s: 0.0,
+            impulse_n_s: DVec3::ZERO,
+        }
+    }
+}
+
+/// All that may touch between two bodies within a step.
+#[derive(Clone, Debug, Default)]
+pub struct Near {
+    /// Nodes of the first body and of the second one near patches of the other, by node and triangle.
+    nodes: [Vec<NearPair>; 2],
+    edges: Vec<NearPair>,
+}
+
+impl Near {
+    /// Sorts out the candidates that cannot touch in the step, whose points come no nearer to each other than by
+    /// `way_m`, even if their ways change by `slack_m` on top of that.
     #[must_use]
-    pub fn of(constraints: &[Constraint], left: f64) -> Self {
-        let mut list = Self { stores: ImpactStores::of(constraints, left), ..Self::default() };
-        for c in constraints.iter().filter(|c| c.impulse_n_s != DVec3::ZERO) {
-            match c.feature {
-                Feature::NodeOnPatch { node, .. } => {
-                    list.held_nodes.push(((c.bodies[0], node, c.bodies[1]), c.normal));
-                }
-                Feature::EdgeOnEdge { first, second } => {
-                    list.held_edges.push((c.bodies[0], c.bodies[1], first, second));
+    pub fn of(pair: &PairView, way_m: f64, slack_m: f64) -> Self {
+        let near_nodes = |side: usize, candidates: &[(u32, u32)]| {
+            let side = NodeSide::new(pair, side);
+            let near = candidates.iter().filter_map(|c| side.near(*c, way_m, slack_m));
+            let mut near: Vec<NearPair> = near.collect();
+            near.sort_by_key(|n| n.feature);
+            near
+        };
+        let c = pair.candidates;
+        Self {
+            nodes: [near_nodes(0, &c.node_on_second), near_nodes(1, &c.node_on_first)],
+            edges: c.edge_pairs.iter().filter_map(|c| near_edges(pair, *c, way_m + slack_m)).collect(),
+        }
+    }
+
+    /// Appends the constraints of the pairs that touch.
+    pub fn find(&self, pair: &PairView, out: &mut Vec<Constraint>) {
+        for side in 0..2 {
+            let node_side = NodeSide::new(pair, side);
+            for of_node in self.nodes[side].chunk_by(|a, b| a.nodes[0] == b.nodes[0]) {
+                node_side.find(of_node, out);
+            }
+        }
+        out.extend(self.edges.iter().filter_map(|e| edge_constraint(pair, e)));
+    }
+
+    /// Appends the constraints of the pairs that would penetrate by more than `depth` of the local size at the end
+    /// of the step, but for those that are known.
+    pub fn find_closing(
+        &self,
+        pair: &PairView,
+        depth: f64,
+        is_known: impl Fn(([u32; 2], Feature)) -> bool,
+        out: &mut Vec<Constraint>,
+    ) {
+        let mut found = Vec::new();
+        for side in 0..2 {
+            let node_side = NodeSide::new(pair, side);
+            let is_new = |n: &NearPair| {
+                n.gap_after_m(&node_side.views, pair.step_s) < -depth * n.size_m
+                    && !is_known((node_side.bodies, n.feature))
+            };
+            for of_node in self.nodes[side].chunk_by(|a, b| a.nodes[0] == b.nodes[0]) {
+                // The other patches at the node are its rivals, known or not.
+                if of_node.iter().any(is_new) {
+                    node_side.find(of_node, &mut found);
                 }
             }
         }
-        list.held_nodes.sort_by_key(|h| h.0);
-        list.held_edges.sort_unstable();
-        list
+        let edges = self.edges.iter().filter(|n| n.gap_after_m(&pair.views, pair.step_s) < -depth * n.size_m);
+        found.extend(edges.filter_map(|e| edge_constraint(pair, e)));
+        let closes = |c: &Constraint| c.gap_m - pair.step_s * c.closing_m_s < -depth * c.size_m;
+        out.extend(found.into_iter().filter(|c| closes(c) && !is_known((c.bodies, c.feature))));
     }
-
-    /// The pairs of which at least one body passes.
-    #[must_use]
-    pub fn keep(&self, of: impl Fn(u32) -> bool) -> Self {
-        let mut kept = self.clone();
-        kept.held_nodes.retain(|((a, _, b), _)| of(*a) || of(*b));
-        kept.held_edges.retain(|(a, b, _, _)| of(*a) || of(*b));
-        kept.stores = kept.stores.keep(of);
-        kept
-    }
-
-    /// Adds another list.
-    pub fn merge(&mut self, other: Self) {
-        self.held_nodes.extend(other.held_nodes);
-        self.held_nodes.sort_by_key(|h| h.0);
-        self.held_edges.extend(other.held_edges);
-        self.held_edges.sort_unstable();
-        self.held_edges.dedup();
-        self.stores.merge(other.stores);
-    }
-
-    /// What impacts have stored.
-    #[must_use]
-    pub fn stores(&self) -> &ImpactStores {
-        &self.stores
-    }
-
-    /// Whether the node was held by the body along about this normal.
-    fn holds(&self, key: HeldNode, normal: DVec3) -> bool {
-        let first = self.held_nodes.partition_point(|h| h.0 < key);
-        let same = self.held_nodes[first..].iter().take_while(|h| h.0 == key);
-        same.into_iter().any(|h| h.1.dot(normal) > SAME_SIDE)
-    }
-
-    /// Whether no pair pressed.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.held_nodes.is_empty() && self.held_edges.is_empty()
-    }
-}
-
-/// Finds the constraints of a pair of bodies over a step of `step_s` and appends them.
-pub fn detect(pair: &PairView, step_s: f64, list: &CollisionList, out: &mut Vec<Constraint>) {
-    let swapped = [pair.bodies[1], pair.bodies[0]];
-    let [first, second] = pair.views;
-    let node_side = |bodies, views| NodeSide { bodies, views, step_s, list, pair };
-    let side = node_side(pair.bodies, [first, second]);
-    side.find(&pair.candidates.node_on_second, out);
-    let side = node_side(swapped, [second, first]);
-    side.find(&pair.candidates.node_on_first, out);
-    let edges = pair.candidates.edge_pairs.iter();
-    out.extend(edges.filter_map(|c| edge_constraint(pair, *c, step_s, list)));
 }
 
 /// Nodes of one body against patches of the other.
 struct NodeSide<'a> {
     bodies: [u32; 2],
     views: [BodyView<'a>; 2],
-    step_s: f64,
-    list: &'a CollisionList,
     pair: &'a PairView<'a>,
 }
 
-impl NodeSide<'_> {
-    /// Appends the constraints of all candidates, at most one per node where the patches are rivals.
-    fn find(&self, candidates: &[(u32, u32)], out: &mut Vec<Constraint>) {
-        let mut found: Vec<Constraint> = candidates.iter().filter_map(|c| self.constraint(*c)).collect();
-        found.sort_by_key(|c| c.feature);
-        for of_node in found.chunk_by(|a, b| a.nodes[0] == b.nodes[0]) {
-            let loses = |c: &&Constraint| of_node.iter().any(|rival| self.beats(rival, c));
-            out.extend(of_node.iter().filter(|c| !loses(c)));
-        }
+impl<'a> NodeSide<'a> {
+    /// Nodes of the first body (`side` 0) or of the second.
+    fn new(pair: &'a PairView<'a>, side: usize) -> Self {
+        let ([a, b], [first, second]) = (pair.bodies, pair.views);
+        let (bodies, views) = if side == 0 { ([a, b], [first, second]) } else { ([b, a], [second, first]) };
+        Self { bodies, views, pair }
+    }
+
+    /// Appends the constraints of one node: one only where its patches are rivals.
+    fn find(&self, of_node: &[NearPair], out: &mut Vec<Constraint>) {
+        let found: Vec<Constraint> = of_node.iter().filter_map(|n| self.constraint(n)).collect();
+        let loses = |c: &&Constraint| found.iter().any(|rival| self.beats(rival, c));
+        out.extend(found.iter().filter(|c| !loses(c)));
     }
 
     /// Whether of two patches that one node touches only `rival` counts: the same plane seen twice, or two
@@ -172,19 +215,28 @@ impl NodeSide<'_> {
             return false;
         }
         let is_one_plane = rival.normal.dot(c.normal) > SAME_PLANE;
+        let own = &self.views[0];
+        let is_in_front =
+            |c: &Constraint| own.surface.inward(c.nodes[0].1, own.positions_m).dot(c.normal) > -IN_FRONT;
         if !is_one_plane && !self.is_convex_between(a, c) {
             return false;
         }
         let rank = |c: &Constraint, triangle: u32| {
             let key = (c.bodies[0], c.nodes[0].1, c.bodies[1]);
-            let is_held = self.list.holds(key, c.normal);
+            let is_held = self.pair.list.holds(key, c.normal);
             let inside = c.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min);
             if is_one_plane {
-                return (is_held, inside, 0.0, std::cmp::Reverse(triangle));
+                return (u8::from(is_held), inside, 0.0, std::cmp::Reverse(triangle));
             }
-            // Of two faces of an edge the one that holds already, is less deep, is closed faster.
+            // Of two faces of an edge the one that the node's own body lies in front of, that holds already,
+            // is less deep, is closed faster. Where flush corners meet, a node is on the top and on the side face.
             let depth = (c.gap_m / c.size_m / NEW_PAIR_DEPTH).round();
-            (is_held, depth, c.closing_m_s, std::cmp::Reverse(triangle))
+            (
+                4 * u8::from(is_in_front(c)) + u8::from(is_held),
+                depth,
+                c.closing_m_s,
+                std::cmp::Reverse(triangle),
+            )
         };
         rank(rival, a).partial_cmp(&rank(c, b)) == Some(std::cmp::Ordering::Greater)
     }
@@ -198,84 +250,65 @@ impl NodeSide<'_> {
         (centre - on_plane).dot(c.normal) < 0.0
     }
 
-    fn constraint(&self, (node, triangle): (u32, u32)) -> Option<Constraint> {
+    /// The node and the patch if they may touch.
+    fn near(&self, (node, triangle): (u32, u32), way_m: f64, slack_m: f64) -> Option<NearPair> {
         let [own, other] = &self.views;
         let corners = other.surface.triangles[triangle as usize];
         let size_m =
             other.surface.triangle_size_m[triangle as usize].min(own.surface.node_size_m[node as usize]);
+        let x = own.positions_m[node as usize];
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
-        let patch_v = corners.map(|n| other.velocities_m_s[n as usize]);
-        let (x, v) = (own.positions_m[node as usize], own.velocities_m_s[node as usize]);
-        if is_out_of_reach((x, v), (patch_m, patch_v), size_m, self.step_s) {
+        if is_out_of_reach(x, patch_m, [NEAR * size_m + way_m + slack_m, HELD_PAIR_DEPTH * size_m]) {
             return None;
         }
         let geometry = Geometry::node_on_patch(x, patch_m)?;
-        let gap = geometry.gap_m;
-        if gap < -HELD_PAIR_DEPTH * size_m {
+        let foot = foot(&geometry);
+        let is_beside = foot < -BORDER && (geometry.gap_m <= 0.0 || -foot * size_m > 4.0 * (way_m + slack_m));
+        if is_beside || geometry.gap_m < -HELD_PAIR_DEPTH * size_m {
             return None;
         }
-        let w = geometry.weights;
-        let relative_v = v + patch_v[0] * w[1] + patch_v[1] * w[2] + patch_v[2] * w[3];
-        if gap + self.step_s * relative_v.dot(geometry.normal) > NEAR * size_m {
-            return None;
-        }
-        let path = Paths { x, v, patch_m, patch_v, step_s: self.step_s };
-        let key = (self.bodies[0], node, self.bodies[1]);
-        let is_held = self.list.holds(key, geometry.normal);
-        self.touches(&geometry, &path, size_m, is_held).then(|| Constraint {
-            bodies: self.bodies,
+        Some(NearPair {
             feature: Feature::NodeOnPatch { node, triangle },
             nodes: [(0, node), (1, corners[0]), (1, corners[1]), (1, corners[2])],
-            weights: geometry.weights,
-            weight_shifts_per_m: geometry.weight_shifts_per_m,
-            normal: geometry.normal,
-            gap_m: gap,
-            place_m: x,
+            geometry,
             size_m,
-            friction_coefficient: self.pair.friction_coefficient,
-            closing_m_s: -relative_v.dot(geometry.normal),
-            may_bounce: true,
-            stored: ImpactStore::default(),
-            target_m_s: 0.0,
-            impulse_n_s: DVec3::ZERO,
         })
     }
 
-    fn touches(&self, geometry: &Geometry, path: &Paths, size_m: f64, is_held: bool) -> bool {
-        let depth = if is_held { HELD_PAIR_DEPTH } else { NEW_PAIR_DEPTH };
-        if geometry.gap_m < -depth * size_m {
-            return false;
+    fn paths(&self, node: u32, corners: [u32; 3]) -> Paths {
+        let [own, other] = &self.views;
+        Paths {
+            x: own.positions_m[node as usize],
+            v: own.velocity(node),
+            patch_m: corners.map(|n| other.positions_m[n as usize]),
+            patch_v: corners.map(|n| other.velocity(n)),
+            step_s: self.pair.step_s,
         }
-        let is_over_patch = geometry.is_inside(if is_held { HELD_BORDER } else { BORDER });
-        // Away from the borders, or for a node on the patch, the meeting point is decided by the start.
-        let foot = geometry.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min);
-        let is_clear = foot.abs() * size_m > 4.0 * path.tangential_m();
-        if is_clear || geometry.gap_m <= 0.0 {
-            return is_over_patch;
+    }
+
+    fn constraint(&self, near: &NearPair) -> Option<Constraint> {
+        if near.gap_after_m(&self.views, self.pair.step_s) > NEAR * near.size_m {
+            return None;
         }
-        match path.atomic_case().verdict() {
-            Verdict::Collides(_) => path.meets_patch() || (is_held && is_over_patch),
-            _ => is_over_patch,
-        }
+        let [node, a, b, c] = near.nodes.map(|n| n.1);
+        let is_held = self.pair.list.holds((self.bodies[0], node, self.bodies[1]), near.geometry.normal);
+        let path = self.paths(node, [a, b, c]);
+        let touches = path.touches(&near.geometry, near.size_m, is_held);
+        touches.then(|| near.constraint(self.bodies, &self.views, self.pair))
     }
 }
 
-/// A cheap look before the geometry: whether the node is further from the patch's plane than it can come in the
-/// step, or deeper than any contact.
-fn is_out_of_reach(
-    (x, v): (DVec3, DVec3),
-    (patch_m, patch_v): ([DVec3; 3], [DVec3; 3]),
-    size_m: f64,
-    step_s: f64,
-) -> bool {
+/// Smallest barycentric coordinate of the foot of the node on the patch: negative beside it.
+fn foot(geometry: &Geometry) -> f64 {
+    geometry.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min)
+}
+
+/// A cheap look before the geometry: whether the node is further above the patch's plane or deeper below it
+/// than the two ways, m.
+fn is_out_of_reach(x: DVec3, patch_m: [DVec3; 3], [above_m, below_m]: [f64; 2]) -> bool {
     let normal = (patch_m[1] - patch_m[0]).cross(patch_m[2] - patch_m[0]);
     let height = (x - patch_m[0]).dot(normal);
-    let patch_v2 = patch_v.iter().map(|u| u.length_squared()).fold(0.0, f64::max);
-    let reach_m = if height > 0.0 {
-        NEAR * size_m + step_s * (v.length_squared().sqrt() + patch_v2.sqrt())
-    } else {
-        HELD_PAIR_DEPTH * size_m
-    };
+    let reach_m = if height > 0.0 { above_m } else { below_m };
     height * height > reach_m * reach_m * normal.length_squared()
 }
 
@@ -289,6 +322,23 @@ struct Paths {
 }
 
 impl Paths {
+    fn touches(&self, geometry: &Geometry, size_m: f64, is_held: bool) -> bool {
+        let depth = if is_held { HELD_PAIR_DEPTH } else { NEW_PAIR_DEPTH };
+        if geometry.gap_m < -depth * size_m {
+            return false;
+        }
+        let is_over_patch = geometry.is_inside(BORDER);
+        // Away from the borders, or for a node on the patch, the meeting point is decided by the start.
+        let is_clear = foot(geometry).abs() * size_m > 4.0 * self.tangential_m();
+        if is_clear || geometry.gap_m <= 0.0 {
+            return is_over_patch;
+        }
+        match self.atomic_case().verdict() {
+            Verdict::Collides(_) => (is_held && is_over_patch) || self.meets_patch(),
+            _ => is_over_patch,
+        }
+    }
+
     /// Bound on the way of the node along the patch in the step, m.
     fn tangential_m(&self) -> f64 {
         let relative = self.patch_v.iter().map(|u| (self.v - *u).length_squared()).fold(0.0, f64::max);
@@ -314,53 +364,37 @@ impl Paths {
     }
 }
 
-fn edge_constraint(
-    pair: &PairView,
-    (first, second): (u32, u32),
-    step_s: f64,
-    list: &CollisionList,
-) -> Option<Constraint> {
+/// Two edges if they may touch.
+fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Option<NearPair> {
     let [view1, view2] = &pair.views;
     let (n1, n2) = (view1.surface.edges[first as usize].nodes, view2.surface.edges[second as usize].nodes);
     let at = |view: &BodyView, n: [u32; 2]| n.map(|n| view.positions_m[n as usize]);
-    let speed = |view: &BodyView, n: [u32; 2]| n.map(|n| view.velocities_m_s[n as usize]);
     let (p, q) = (at(view1, n1), at(view2, n2));
-    let (v, u) = (speed(view1, n1), speed(view2, n2));
     let size_m = (p[1] - p[0]).length().min((q[1] - q[0]).length());
-    let fastest_m_s = v.iter().chain(&u).map(|v| v.length()).fold(0.0, f64::max);
-    let reach_m = HELD_PAIR_DEPTH * size_m + 2.0 * fastest_m_s * step_s;
+    let reach_m = HELD_PAIR_DEPTH * size_m + way_m;
     if !edges_may_touch(p, q, reach_m) {
         return None;
     }
     let fans = [edge_fan(view1, first), edge_fan(view2, second)];
     let geometry = Geometry::edge_on_edge(p, q, fans[1].outward - fans[0].outward)?;
-    let key = (pair.bodies[0], pair.bodies[1], first, second);
-    let is_held = list.held_edges.binary_search(&key).is_ok();
-    let depth = if is_held { HELD_PAIR_DEPTH } else { NEAR };
-    let (w, n) = (geometry.weights, geometry.normal);
-    let relative_v = v[0] * w[0] + v[1] * w[1] + u[0] * w[2] + u[1] * w[3];
-    let touches = geometry.gap_m >= -depth * size_m
-        && geometry.gap_m + step_s * relative_v.dot(n) <= NEAR * size_m
+    let is_near = geometry.gap_m >= -HELD_PAIR_DEPTH * size_m
         && geometry.is_inside(-BORDER)
-        && fans[1].contains(n)
-        && fans[0].contains(-n);
-    touches.then(|| Constraint {
-        bodies: pair.bodies,
+        && fans[1].contains(geometry.normal)
+        && fans[0].contains(-geometry.normal);
+    is_near.then_some(NearPair {
         feature: Feature::EdgeOnEdge { first, second },
         nodes: [(0, n1[0]), (0, n1[1]), (1, n2[0]), (1, n2[1])],
-        weights: w,
-        weight_shifts_per_m: geometry.weight_shifts_per_m,
-        normal: n,
-        gap_m: geometry.gap_m,
-        place_m: p[0] * w[0] + p[1] * w[1],
+        geometry,
         size_m,
-        friction_coefficient: pair.friction_coefficient,
-        closing_m_s: -relative_v.dot(n),
-        may_bounce: true,
-        stored: ImpactStore::default(),
-        target_m_s: 0.0,
-        impulse_n_s: DVec3::ZERO,
     })
+}
+
+fn edge_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
+    let Feature::EdgeOnEdge { first, second } = near.feature else { return None };
+    let depth = if pair.list.holds_edges(pair.bodies, [first, second]) { HELD_PAIR_DEPTH } else { NEAR };
+    let touches = near.geometry.gap_m >= -depth * near.size_m
+        && near.gap_after_m(&pair.views, pair.step_s) <= NEAR * near.size_m;
+    touches.then(|| near.constraint(pair.bodies, &pair.views, pair))
 }
 
 /// A cheap look before the fans: whether the closest points of two edges lie on both and near each other.
@@ -425,9 +459,11 @@ mod tests {
             ],
             candidates: &candidates,
             friction_coefficient: 0.0,
+            step_s,
+            list: &CollisionList::default(),
         };
         let mut out = Vec::new();
-        detect(&pair, step_s, &CollisionList::default(), &mut out);
+        Near::of(&pair, step_s * velocity.length(), 0.0).find(&pair, &mut out);
         out.len()
     }
 

@@ -5,6 +5,7 @@
 
 pub mod atomic;
 pub mod candidates;
+pub mod collision_list;
 pub mod constraint;
 pub mod detect;
 pub mod geometry;
@@ -13,6 +14,7 @@ pub mod response;
 pub mod surface;
 pub mod time_of_impact;
 
+pub use collision_list::CollisionList;
 pub use constraint::Constraint;
-pub use detect::{BodyView, CollisionList, PairView, detect};
+pub use detect::{BodyView, Near, PairView};
 pub use surface::ContactSurface;

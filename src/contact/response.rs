@@ -23,6 +23,8 @@ const PENETRATION_LEFT: f64 = 1e-4;
 /// Compliance of redundant pairs over their block.
 const SOFTNESS: f64 = 0.25;
 
+/// Share of the squared shortfalls that the last step's pattern of impulses may leave.
+const GOOD_START: f64 = 0.1;
 /// Blows are aimed higher than the rebound, since pairs that open one after the other need more speed
 /// for the same energy; what is too much is cut off.
 const BLOW_MARGIN: f64 = 1.2;
@@ -194,7 +196,7 @@ pub fn solve(
     let rows: Vec<PairRow> =
         constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
     let stored_before_j = stored_j(constraints);
-    start_evenly(&rows, constraints, table);
+    start(&rows, constraints, table);
     let mut report = settle(&rows, constraints, table, (p, MOST_PASSES));
     if let Some(blow) = p.conserve_impact_energy.then(|| deal_blows(&rows, constraints, table, p)).flatten() {
         report.passes = report.passes.max(blow.passes);
@@ -337,26 +339,79 @@ fn store_impacts(
     }
 }
 
-/// Applies first guesses of the normal impulses: each pair's shortfall over the sum of its row, as if its
-/// neighbours fell short as much.
-fn start_evenly(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
-    let shortfall = |row: &PairRow, constraints: &[Constraint], table: &NodeTable| {
+/// What the pairs' relative normal velocities lack of their targets, m/s.
+fn shortfalls_m_s(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable) -> Vec<f64> {
+    let shortfall = |row: &PairRow| {
         let c = &constraints[row.index];
         c.target_m_s - table.relative_velocity(row.index, &c.weights).dot(c.normal)
     };
-    let short: Vec<f64> = rows.iter().map(|r| shortfall(r, constraints, table).max(0.0)).collect();
+    rows.iter().map(shortfall).collect()
+}
+
+/// Applies first guesses of the impulses: those of the last step where they fit, else even ones.
+fn start(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
+    if !start_as_before(rows, constraints, table) {
+        constraints.iter_mut().for_each(|c| c.impulse_n_s = DVec3::ZERO);
+        start_evenly(rows, constraints, table);
+    }
+}
+
+/// Starts from the pattern of the last step's impulses, which the constraints carry, to the scale that fits best.
+/// Returns false, with nothing applied, when it does not take away most of what is lacking.
+fn start_as_before(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) -> bool {
+    let lacking = |shortfalls: &[f64], constraints: &[Constraint]| -> f64 {
+        // A pair that presses must neither close nor open; others must not close.
+        let pressing = |row: &PairRow| constraints[row.index].impulse_n_s != DVec3::ZERO;
+        let each = rows.iter().zip(shortfalls);
+        each.map(|(row, s)| if pressing(row) { s * s } else { s.max(0.0).powi(2) }).sum()
+    };
+    if constraints.iter().all(|c| c.impulse_n_s == DVec3::ZERO) {
+        return false;
+    }
+    let before = shortfalls_m_s(rows, constraints, table);
+    let saved = table.nodes.clone();
+    for row in rows {
+        let c = &constraints[row.index];
+        table.apply(row.index, &c.weights, c.impulse_n_s);
+    }
+    let after = shortfalls_m_s(rows, constraints, table);
+    let pressing = rows.iter().zip(before.iter().zip(&after));
+    let pressing = pressing.filter(|(row, _)| constraints[row.index].impulse_n_s != DVec3::ZERO);
+    let (mut along, mut square) = (0.0, 0.0);
+    for (_, (b, a)) in pressing {
+        along += b * (b - a);
+        square += (b - a) * (b - a);
+    }
+    let scale = if square > 0.0 { (along / square).max(0.0) } else { 0.0 };
+    let scaled: Vec<f64> = before.iter().zip(&after).map(|(b, a)| b + (a - b) * scale).collect();
+    if lacking(&scaled, constraints) > GOOD_START * lacking(&before, constraints) {
+        table.nodes = saved;
+        return false;
+    }
+    for (node, saved) in table.nodes.iter_mut().zip(&saved) {
+        node.velocity_m_s = saved.velocity_m_s.lerp(node.velocity_m_s, scale);
+        node.impulse_n_s = saved.impulse_n_s.lerp(node.impulse_n_s, scale);
+    }
+    constraints.iter_mut().for_each(|c| c.impulse_n_s *= scale);
+    true
+}
+
+/// Applies even first guesses of the normal impulses: each pair's shortfall over the sum of its row, as if its
+/// neighbours fell short as much.
+fn start_evenly(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
+    let mut short = shortfalls_m_s(rows, constraints, table);
+    short.iter_mut().for_each(|s| *s = s.max(0.0));
     let saved: Vec<ContactNode> = table.nodes.clone();
     for (row, _) in rows.iter().zip(&short).filter(|(_, s)| **s > 0.0) {
         let c = &constraints[row.index];
         table.apply(row.index, &c.weights, c.normal);
     }
-    let row_sums: Vec<f64> =
-        rows.iter().zip(&short).map(|(row, short)| short - shortfall(row, constraints, table)).collect();
+    let left = shortfalls_m_s(rows, constraints, table);
     table.nodes = saved;
-    for ((row, short), sum) in rows.iter().zip(&short).zip(row_sums) {
+    for ((row, short), left) in rows.iter().zip(&short).zip(left) {
         let c = &mut constraints[row.index];
         // Rows whose neighbours work against them are left to the passes.
-        c.impulse_n_s = c.normal * (short / sum.max(row.normal_block_per_kg));
+        c.impulse_n_s = c.normal * (short / (short - left).max(row.normal_block_per_kg));
         table.apply(row.index, &c.weights, c.impulse_n_s);
     }
 }

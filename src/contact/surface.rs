@@ -37,6 +37,30 @@ pub struct ContactSurface {
     pub owns_node: Vec<[bool; 3]>,
     /// For each triangle, the edges it speaks for.
     pub owned_edges: Vec<[Option<u32>; 3]>,
+    /// Nodes joined to each node of the body by an edge of the surface.
+    neighbours: Neighbours,
+}
+
+/// Lists of nodes, one per node, end to end.
+#[derive(Clone, Debug, Default)]
+struct Neighbours {
+    starts: Vec<u32>,
+    nodes: Vec<u32>,
+}
+
+impl Neighbours {
+    fn new(edges: &[ContactEdge], node_count: usize) -> Self {
+        let both = |e: &ContactEdge| [(e.nodes[0], e.nodes[1]), (e.nodes[1], e.nodes[0])];
+        let mut pairs: Vec<(u32, u32)> = edges.iter().flat_map(both).collect();
+        pairs.sort_unstable();
+        let starts = (0..=node_count as u32).map(|n| pairs.partition_point(|p| p.0 < n) as u32).collect();
+        Self { starts, nodes: pairs.into_iter().map(|p| p.1).collect() }
+    }
+
+    fn of(&self, node: u32) -> &[u32] {
+        let [from, to] = [node, node + 1].map(|n| self.starts[n as usize] as usize);
+        &self.nodes[from..to]
+    }
 }
 
 impl ContactSurface {
@@ -75,7 +99,18 @@ impl ContactSurface {
             let free = slots.iter().position(Option::is_none).unwrap_or(2);
             slots[free] = Some(index as u32);
         }
-        Self { triangles, edges, nodes, triangle_size_m, node_size_m, owns_node, owned_edges }
+        let neighbours = Neighbours::new(&edges, reference_m.len());
+        Self { triangles, edges, nodes, triangle_size_m, node_size_m, owns_node, owned_edges, neighbours }
+    }
+
+    /// Mean of the unit vectors along the surface edges at a node: points into the body at a convex corner,
+    /// vanishes on a flat face.
+    #[must_use]
+    pub fn inward(&self, node: u32, positions_m: &[DVec3]) -> DVec3 {
+        let neighbours = self.neighbours.of(node);
+        let at = |n: u32| positions_m[n as usize];
+        let sum: DVec3 = neighbours.iter().map(|n| (at(*n) - at(node)).normalize_or_zero()).sum();
+        sum / neighbours.len().max(1) as f64
     }
 
     /// Corner positions of a triangle, m.

@@ -7,11 +7,18 @@ use super::body::{Body, Regime};
 use crate::contact::candidates::{Candidates, SurfaceBoxes, between, within};
 use crate::math::best_fit_rotation;
 use glam::{DMat3, DQuat, DVec3};
+use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 
 /// How far boxes are fattened, as a share of the body's mean surface element size.
 const MARGIN: f64 = 0.2;
-/// Boxes are also fattened by the way the fastest node makes in this many steps.
+/// Boxes are also fattened by the way the fastest node makes in this many steps: at least,
 const MARGIN_STEPS: f64 = 8.0;
+/// and in so many while that is less than [`MARGIN`].
+const MOST_MARGIN_STEPS: f64 = 32.0;
+
+/// The same for boxes of a body around itself, which hold as long as its shape changes but little: rebuilding them costs
+/// most of the search in soft bodies, candidates on the far side of thin ones the rest.
+const OWN_MARGIN: f64 = 0.3;
 
 /// Candidates of a pair of bodies and the states of the boxes they come from.
 pub(super) struct NearPair {
@@ -28,6 +35,12 @@ struct Entry {
     stamp: u64,
     /// Boxes for self-collision, valid in the body's own moving frame.
     own: Option<OwnBoxes>,
+    /// Box around the body as it is now, not fattened.
+    bounds: Option<Aabb>,
+    /// How far `bounds` is fattened, m.
+    margin_m: f64,
+    /// Whether another body may come near, so that the boxes are needed.
+    is_close: bool,
 }
 
 /// Boxes around a body's shape, kept while it moves on as a whole and changes its shape but little.
@@ -35,17 +48,33 @@ struct OwnBoxes {
     boxes: SurfaceBoxes,
     stamp: u64,
     orientation: DQuat,
+    /// Way that nodes may still make before the next look, m.
+    spare_m: f64,
+    time_s: f64,
 }
 
 impl OwnBoxes {
-    fn around(body: &Body, stamp: u64) -> Self {
-        let margin_m = MARGIN * body.mean_size_m;
+    fn around(body: &Body, stamp: u64, time_s: f64) -> Self {
+        let margin_m = OWN_MARGIN * body.mean_size_m;
         let boxes = SurfaceBoxes::around(&body.surface, &body.position_m, margin_m);
-        Self { boxes, stamp, orientation: DQuat::IDENTITY }
+        let spare_m = OWN_SHARE * margin_m;
+        Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m, time_s }
     }
 
-    /// Whether the shape has changed by more than the boxes allow, seen in the frame that fits it best.
-    fn is_outrun(&mut self, body: &Body) -> bool {
+    /// Whether the shape may have changed by more than the boxes allow since they were built.
+    fn is_outrun(&mut self, body: &Body, time_s: f64) -> bool {
+        // Seen from the body's centre, no node gets further than twice its way; as much again for speeding up.
+        self.spare_m -= 4.0 * fastest_m_s(body) * (time_s - self.time_s);
+        self.time_s = time_s;
+        if self.spare_m > 0.0 {
+            return false;
+        }
+        self.spare_m = OWN_SHARE * self.boxes.margin_m() - self.change_m(body);
+        self.spare_m < 0.0
+    }
+
+    /// Largest change of shape, seen in the frame that fits it best, m.
+    fn change_m(&mut self, body: &Body) -> f64 {
         let nodes = || body.surface.nodes.iter().map(|n| *n as usize);
         let built = self.boxes.built_at_m();
         let count = body.surface.nodes.len().max(1) as f64;
@@ -58,13 +87,16 @@ impl OwnBoxes {
         }
         self.orientation = best_fit_rotation(&moment, self.orientation);
         let turn = DMat3::from_quat(self.orientation);
-        let limit = (0.4 * self.boxes.margin_m()).powi(2);
-        nodes().any(|n| {
+        let change2 = nodes().map(|n| {
             let moved = centre_now + turn * (built[n] - centre_then);
-            (body.position_m[n] - moved).length_squared() > limit
-        })
+            (body.position_m[n] - moved).length_squared()
+        });
+        change2.fold(0.0, f64::max).sqrt()
     }
 }
+
+/// Change of shape, as a share of the margin, up to which the boxes of a body around itself hold.
+const OWN_SHARE: f64 = 0.4;
 
 /// Boxes of all bodies and candidates of near pairs.
 #[derive(Default)]
@@ -91,13 +123,26 @@ impl BroadPhase {
         self.entries.push(Entry::default());
     }
 
-    /// Renews what is out of date and finds the pairs of which at least one body is elastic.
-    /// `step_s` is the length of the step to come.
-    pub fn update(&mut self, bodies: &[Body], step_s: f64) {
+    /// First half of the update: bounds of all bodies, and which of them come near others. `step_s` is the length of
+    /// the step to come.
+    pub fn renew_bounds(&mut self, bodies: &[Body], step_s: f64) {
         for (entry, body) in self.entries.iter_mut().zip(bodies) {
-            entry.renew(body, step_s);
+            entry.renew_bounds(body, step_s);
+        }
+        for first in 0..bodies.len() {
+            let mut others = (0..bodies.len()).filter(|second| *second != first);
+            self.entries[first].is_close = others.any(|second| self.may_meet(bodies, [first, second]));
+        }
+    }
+
+    /// Second half: renews what is out of date and finds the pairs of which at least one body is elastic, at `time_s`.
+    pub fn update(&mut self, bodies: &[Body], time_s: f64, step_s: f64) {
+        for (entry, body) in self.entries.iter_mut().zip(bodies) {
+            if entry.is_close {
+                entry.renew(body, step_s);
+            }
             if self.self_collision && body.regime == Regime::Elastic {
-                entry.renew_own(body);
+                entry.renew_own(body, time_s);
             }
         }
         let mut old = std::mem::take(&mut self.pairs).into_iter().peekable();
@@ -115,6 +160,22 @@ impl BroadPhase {
         }
     }
 
+    /// Whether one of the bodies is elastic and their bounds overlap.
+    fn may_meet(&self, bodies: &[Body], pair: [usize; 2]) -> bool {
+        let bounds = |i: usize| self.entries[i].bounds.map(|b| b.loosened(self.entries[i].margin_m));
+        let is_elastic = pair.iter().any(|i| bodies[*i].regime == Regime::Elastic);
+        is_elastic
+            && match pair.map(bounds) {
+                [Some(a), Some(b)] => a.mins.cmple(b.maxs).all() && b.mins.cmple(a.maxs).all(),
+                _ => false,
+            }
+    }
+
+    /// Whether an elastic body may come near the body, by its bounds.
+    pub fn is_close(&self, body: usize) -> bool {
+        self.entries[body].is_close
+    }
+
     fn pair(&self, bodies: &[Body], key: [usize; 2], kept: Option<NearPair>) -> Option<NearPair> {
         let [first, second] = key;
         let is_self = first == second;
@@ -130,6 +191,9 @@ impl BroadPhase {
             }
             let candidates = within((&bodies[first].surface, &own.boxes), &bodies[first].reference_m);
             return Some(NearPair { bodies: key, candidates, stamps });
+        }
+        if !self.may_meet(bodies, key) {
+            return None;
         }
         let (a, b) = (&self.entries[first], &self.entries[second]);
         let (boxes_a, boxes_b) = (a.boxes.as_ref()?, b.boxes.as_ref()?);
@@ -149,22 +213,35 @@ impl BroadPhase {
     pub fn valid_for_s(&self, bodies: &[Body]) -> f64 {
         let entries = self.entries.iter().zip(bodies);
         entries
-            .filter(|(_, body)| matches!(body.regime, Regime::Elastic | Regime::Kinematic))
-            .filter_map(|(entry, body)| {
-                let margin_m = entry.boxes.as_ref()?.margin_m();
-                Some(0.25 * margin_m / fastest_m_s(body).max(1e-300))
+            .filter(|(_, body)| !matches!(body.regime, Regime::Fixed | Regime::Asleep))
+            .map(|(entry, body)| {
+                let boxes = entry.boxes.as_ref().filter(|_| entry.is_close);
+                let margin_m = boxes.map_or(entry.margin_m, |b| b.margin_m());
+                0.25 * margin_m / fastest_m_s(body).max(1e-300)
             })
             .fold(f64::INFINITY, f64::min)
     }
 }
 
 impl Entry {
-    fn renew_own(&mut self, body: &Body) {
+    fn renew_own(&mut self, body: &Body, time_s: f64) {
         let stamp = self.own.as_ref().map_or(0, |own| own.stamp + 1);
-        let is_valid = self.own.as_mut().is_some_and(|own| !own.is_outrun(body));
+        let is_valid = self.own.as_mut().is_some_and(|own| !own.is_outrun(body, time_s));
         if !is_valid {
-            self.own = Some(OwnBoxes::around(body, stamp));
+            self.own = Some(OwnBoxes::around(body, stamp, time_s));
         }
+    }
+
+    /// Bounds of the body now; of one in free travel, whose nodes are not placed, around all its turns.
+    fn renew_bounds(&mut self, body: &Body, step_s: f64) {
+        if matches!(body.regime, Regime::Fixed | Regime::Asleep) && self.bounds.is_some() {
+            return;
+        }
+        self.margin_m = MARGIN * body.mean_size_m + MARGIN_STEPS * step_s * fastest_m_s(body);
+        self.bounds = Some(match body.regime {
+            Regime::Free(motion) => Aabb::from_half_extents(motion.centre_m, DVec3::splat(body.radius_m)),
+            _ => bounds_of(body),
+        });
     }
 
     fn renew(&mut self, body: &Body, step_s: f64) {
@@ -172,10 +249,17 @@ impl Entry {
         if is_valid {
             return;
         }
-        let margin_m = MARGIN * body.mean_size_m + MARGIN_STEPS * step_s * fastest_m_s(body);
-        self.boxes = Some(SurfaceBoxes::around(&body.surface, &body.position_m, margin_m));
+        let (size_m, way_m) = (MARGIN * body.mean_size_m, step_s * fastest_m_s(body));
+        let ahead_m = (MOST_MARGIN_STEPS * way_m).min(size_m.max(MARGIN_STEPS * way_m));
+        self.boxes = Some(SurfaceBoxes::around(&body.surface, &body.position_m, size_m + ahead_m));
         self.stamp += 1;
     }
+}
+
+fn bounds_of(body: &Body) -> Aabb {
+    let nodes = body.surface.nodes.iter().map(|n| body.position_m[*n as usize]);
+    let (low, high) = nodes.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    Aabb::new(low, high)
 }
 
 fn is_outrun(boxes: &SurfaceBoxes, body: &Body) -> bool {
@@ -190,8 +274,11 @@ fn is_outrun(boxes: &SurfaceBoxes, body: &Body) -> bool {
     })
 }
 
-/// Speed of the fastest node of the surface, m/s.
+/// Speed of the fastest node of the surface, m/s; a bound on it in free travel.
 pub(super) fn fastest_m_s(body: &Body) -> f64 {
+    if let Regime::Free(motion) = body.regime {
+        return motion.velocity_m_s.length() + motion.spin_rad_s().length() * body.radius_m;
+    }
     let speeds = body.surface.nodes.iter().map(|n| body.velocity_m_s[*n as usize].length_squared());
     speeds.fold(0.0, f64::max).sqrt()
 }
@@ -222,13 +309,4 @@ pub(super) fn islands(bodies: &[Body], pairs: &[NearPair]) -> Vec<Vec<usize>> {
     }
     groups.retain(|g| !g.is_empty());
     groups
-}
-
-/// Distance between the centres of the boxes' bounds: used for rest detection, m.
-pub(super) fn centre_distance_m(a: &Body, b: &Body) -> f64 {
-    let centre = |body: &Body| {
-        let sum: DVec3 = body.surface.nodes.iter().map(|n| body.position_m[*n as usize]).sum();
-        sum / body.surface.nodes.len().max(1) as f64
-    };
-    (centre(a) - centre(b)).length()
 }

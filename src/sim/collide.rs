@@ -1,20 +1,22 @@
 //! Contact within one step of one island: detect, respond, book.
 
 use super::body::{Body, Regime};
-use super::broad::NearPair;
+use super::broad::{NearPair, fastest_m_s};
 use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
 use crate::contact::response::{
     ContactNode, NodeTable, ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets,
     solve, sort_by_place,
 };
-use crate::contact::{BodyView, CollisionList, Constraint, PairView, detect};
+use crate::contact::{BodyView, CollisionList, Constraint, Near, PairView};
 use glam::DVec3;
 
 /// Rounds of "respond, look whether the correction closed a pair that was left out".
 const MOST_ROUNDS: u32 = 6;
 /// Penetration at the end of the step, as a share of the local size, below which a pair may be left out.
 const LEFT_OUT_DEPTH: f64 = 1e-4;
+/// Change of way by the response, as a share of the local size, that the first look of a step allows for.
+const LOOK_SLACK: f64 = 0.01;
 
 /// What a step's contact did, to be added up.
 #[derive(Clone, Debug, Default)]
@@ -48,18 +50,24 @@ impl ContactScene<'_> {
         exception.map_or(self.parameters.friction_coefficient, |p| p.friction_coefficient)
     }
 
-    fn find(&self) -> Vec<Constraint> {
-        let mut found = Vec::new();
-        for pair in &self.pairs {
-            let view = PairView {
-                bodies: pair.bodies.map(|b| b as u32),
-                views: pair.bodies.map(|b| self.view(b)),
-                candidates: &pair.candidates,
-                friction_coefficient: self.friction(pair.bodies),
-            };
-            detect(&view, self.step_s, self.list, &mut found);
+    fn pair_view<'b>(&'b self, pair: &'b NearPair) -> PairView<'b> {
+        PairView {
+            bodies: pair.bodies.map(|b| b as u32),
+            views: pair.bodies.map(|b| self.view(b)),
+            candidates: &pair.candidates,
+            friction_coefficient: self.friction(pair.bodies),
+            step_s: self.step_s,
+            list: self.list,
         }
-        found
+    }
+
+    /// What is near in the step; the response may change the ways of the points relative to each other by `slack_m`.
+    fn near(&self, pair: &NearPair, slack_m: f64) -> Near {
+        if pair.candidates.is_empty() {
+            return Near::default();
+        }
+        let way_m = self.step_s * pair.bodies.map(|b| fastest_m_s(&self.bodies[b])).iter().sum::<f64>();
+        Near::of(&self.pair_view(pair), way_m, slack_m)
     }
 
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
@@ -139,7 +147,8 @@ fn is_finer(a: &Body, b: &Body) -> bool {
 /// Finds and solves the contacts of an island for the predicted velocities, and writes the corrected
 /// velocities to the bodies.
 pub(super) fn respond(scene: &mut ContactScene) -> ContactOutcome {
-    let mut constraints = scene.find();
+    let mut look = Look::first(scene);
+    let mut constraints = look.find(scene);
     if constraints.is_empty() {
         return ContactOutcome::default();
     }
@@ -160,7 +169,7 @@ pub(super) fn respond(scene: &mut ContactScene) -> ContactOutcome {
                 conserve_impact_energy,
                 rest_speed_m_s: scene.rest_speed_m_s(),
             };
-            let (response, constraints) = solve_all(scene, constraints, &parameters);
+            let (response, constraints) = solve_all(scene, (&mut look, constraints), &parameters);
             ContactOutcome { constraints, response, spring_j: 0.0 }
         }
     }
@@ -169,14 +178,14 @@ pub(super) fn respond(scene: &mut ContactScene) -> ContactOutcome {
 /// Solves the pairs that are not redundant, then adds what the corrected velocities still close, until nothing is left.
 fn solve_all(
     scene: &mut ContactScene,
-    found: Vec<Constraint>,
+    (look, found): (&mut Look, Vec<Constraint>),
     parameters: &ResponseParameters,
 ) -> (ResponseReport, Vec<Constraint>) {
     let (mut active, _) = scene.without_redundant(found);
     let mut round = 0;
     loop {
         sort_by_place(&mut active);
-        scene.list.stores().hand_over(&mut active);
+        scene.list.hand_over(&mut active);
         let mut table = scene.table(&active);
         set_targets(&mut active, &table, parameters);
         let report = solve(&mut active, &mut table, parameters);
@@ -185,37 +194,88 @@ fn solve_all(
         if round >= MOST_ROUNDS {
             return (report, active);
         }
-        let added = still_closing(scene, &active, &table);
+        let added = still_closing(scene, look, &active, &table);
         if added.is_empty() {
             return (report, active);
         }
         take_back(scene.bodies, &table);
-        active.iter_mut().for_each(|c| c.impulse_n_s = DVec3::ZERO);
         active.extend(added);
     }
 }
 
 /// Pairs that are not enforced and would penetrate with the velocities as they are now. Where the enforced pairs
 /// have taken away most of the approach already, what is left is only to be stopped, not to be bounced.
-fn still_closing(scene: &ContactScene, active: &[Constraint], corrected: &NodeTable) -> Vec<Constraint> {
+fn still_closing(
+    scene: &ContactScene,
+    look: &mut Look,
+    active: &[Constraint],
+    corrected: &NodeTable,
+) -> Vec<Constraint> {
     let mut known: Vec<([u32; 2], Feature)> = active.iter().map(|c| (c.bodies, c.feature)).collect();
     known.sort_unstable();
-    let mut found = scene.find();
-    found.retain(|c| known.binary_search(&(c.bodies, c.feature)).is_err());
-    let table = scene.table(&found);
-    let predicted = scene.table_with(&found, |id, v| corrected.predicted_of(id).unwrap_or(v));
-    let closing = |table: &NodeTable, row: usize, c: &Constraint| {
-        -scene.step_s * table.relative_velocity(row, &c.weights).dot(c.normal)
-    };
-    let mut closing_pairs = Vec::new();
-    for (row, mut c) in found.into_iter().enumerate() {
-        let (now_m, before_m) = (closing(&table, row, &c), closing(&predicted, row, &c));
-        if c.gap_m - now_m < -LEFT_OUT_DEPTH * c.size_m {
-            c.may_bounce = now_m > 0.5 * before_m;
-            closing_pairs.push(c);
+    look.renew(scene, corrected);
+    let mut closing = look.find_closing(scene, |key| known.binary_search(&key).is_ok());
+    if closing.is_empty() {
+        return closing;
+    }
+    let predicted = scene.table_with(&closing, |id, v| corrected.predicted_of(id).unwrap_or(v));
+    for (row, c) in closing.iter_mut().enumerate() {
+        let before_m_s = -predicted.relative_velocity(row, &c.weights).dot(c.normal);
+        c.may_bounce = c.closing_m_s > 0.5 * before_m_s;
+    }
+    closing
+}
+
+/// What lies near enough to touch in the step, pair by pair of bodies, and by how much the response may change
+/// the nodes' ways before more could touch.
+struct Look {
+    near: Vec<(Near, f64)>,
+}
+
+impl Look {
+    fn first(scene: &ContactScene) -> Self {
+        let near = scene.pairs.iter().map(|pair| {
+            let sizes = pair.bodies.map(|b| scene.bodies[b].mean_size_m);
+            let slack_m = LOOK_SLACK * sizes[0].min(sizes[1]);
+            (scene.near(pair, slack_m), slack_m)
+        });
+        Self { near: near.collect() }
+    }
+
+    /// Looks anew where the response has changed the ways by more than was allowed for.
+    fn renew(&mut self, scene: &ContactScene, corrected: &NodeTable) {
+        let nodes = corrected.nodes.iter().zip(corrected.predicted_m_s());
+        let change2 = nodes.map(|(node, v)| (node.velocity_m_s - *v).length_squared()).fold(0.0, f64::max);
+        // Both sides of a pair may have been changed.
+        let change_m = 2.0 * scene.step_s * change2.sqrt();
+        for ((near, slack_m), pair) in self.near.iter_mut().zip(&scene.pairs) {
+            if change_m > *slack_m {
+                *slack_m = 2.0 * change_m;
+                // The velocities are the corrected ones now, a change away from those that slack counts from.
+                *near = scene.near(pair, *slack_m + change_m);
+            }
         }
     }
-    closing_pairs
+
+    fn find(&self, scene: &ContactScene) -> Vec<Constraint> {
+        let mut found = Vec::new();
+        for ((near, _), pair) in self.near.iter().zip(&scene.pairs) {
+            near.find(&scene.pair_view(pair), &mut found);
+        }
+        found
+    }
+
+    fn find_closing(
+        &self,
+        scene: &ContactScene,
+        is_known: impl Fn(([u32; 2], Feature)) -> bool,
+    ) -> Vec<Constraint> {
+        let mut found = Vec::new();
+        for ((near, _), pair) in self.near.iter().zip(&scene.pairs) {
+            near.find_closing(&scene.pair_view(pair), LEFT_OUT_DEPTH, &is_known, &mut found);
+        }
+        found
+    }
 }
 
 fn take_back(bodies: &mut [Body], table: &NodeTable) {

@@ -4,7 +4,7 @@ use super::body::Regime;
 use super::broad::islands;
 use super::collide::{ContactOutcome, ContactScene, penetration, respond};
 use super::elastic::StepContext;
-use super::rest::{RestView, fall_asleep, is_near_mover, try_free_travel};
+use super::rest::{RestView, fall_asleep, is_near_mover, record, try_free_travel};
 use super::touch::{Touch, first_touch, prescribed_positions};
 use super::{BodyMotion, SimError, Stage, StepReport, World};
 use crate::contact::CollisionList;
@@ -20,6 +20,12 @@ const IMPACT_CROSSINGS: f64 = 100.0;
 fn even_end(start_s: f64, limit_s: f64, step_s: f64) -> f64 {
     let count = ((limit_s - start_s) / step_s * (1.0 - 1e-9)).ceil();
     if count <= 1.0 { limit_s } else { start_s + (limit_s - start_s) / count }
+}
+
+/// Number and length of the equal elastic steps, of at most `step_s`, in a time.
+fn substeps(duration_s: f64, step_s: f64) -> (u32, f64) {
+    let count = (duration_s / step_s * (1.0 - 1e-12)).ceil().max(1.0);
+    (count as u32, duration_s / count)
 }
 
 /// What the islands did in one step, added up.
@@ -123,7 +129,7 @@ impl World {
         let context = StepContext { time_s: self.time_s, step_s: 0.0, gravity_m_s2: self.setup.gravity_m_s2 };
         // A waking body was finite when it fell asleep or took off; a blow-up shows in its first step.
         let _ = body.update_acceleration(&context);
-        self.rest[index].disturb();
+        self.rest[index].disturb(self.time_s);
         self.rest[index].last_touch_step = self.steps;
     }
 
@@ -166,7 +172,10 @@ impl World {
             self.begin_collision(touch);
             collected.report.stage = Stage::Beginning;
         }
-        self.settle(&groups, &collected);
+        let duration_s = end_s - start_s;
+        for (group, step_s) in groups.iter().zip(&steps_s) {
+            self.settle(group, substeps(duration_s, *step_s).1);
+        }
         Ok(collected.report)
     }
 
@@ -177,19 +186,31 @@ impl World {
 
     /// Renews the broad phase and wakes what an elastic body has come near, until nothing new is woken.
     fn wake_neighbours(&mut self, step_s: f64) {
-        if self.bodies.iter().any(|b| matches!(b.regime, Regime::Free(_))) {
-            self.place_free_bodies();
-        }
         loop {
-            self.broad.update(&self.bodies, step_s);
-            let sleeping = |b: &usize| matches!(self.bodies[*b].regime, Regime::Free(_) | Regime::Asleep);
-            let near: Vec<usize> =
-                self.broad.pairs.iter().flat_map(|p| p.bodies).filter(|b| sleeping(b)).collect();
+            self.broad.renew_bounds(&self.bodies, step_s);
+            for (index, body) in self.bodies.iter_mut().enumerate() {
+                // Nodes of bodies in free travel are only placed when something may meet them.
+                if let (Regime::Free(motion), true) = (body.regime, self.broad.is_close(index)) {
+                    body.take_rigid_state(&motion);
+                }
+            }
+            self.broad.update(&self.bodies, self.time_s, step_s);
+            let near = self.sleepers_near();
             if near.is_empty() {
                 return;
             }
             near.into_iter().for_each(|b| self.wake(b));
         }
+    }
+
+    /// Free and sleeping bodies that a moving one has come near.
+    fn sleepers_near(&self) -> Vec<usize> {
+        let is_sleeping = |b: &usize| matches!(self.bodies[*b].regime, Regime::Free(_) | Regime::Asleep);
+        let mut near: Vec<usize> =
+            self.broad.pairs.iter().flat_map(|p| p.bodies).filter(is_sleeping).collect();
+        near.sort_unstable();
+        near.dedup();
+        near
     }
 
     /// First touch of free bodies with others that do not deform, before `end_s`; looked for once per free
@@ -252,9 +273,8 @@ impl World {
         collected: &mut Collected,
     ) -> Result<(), SimError> {
         let duration_s = end_s - self.time_s;
-        let substeps = (duration_s / step_s * (1.0 - 1e-12)).ceil().max(1.0);
-        let h = duration_s / substeps;
-        for substep in 0..substeps as u32 {
+        let (count, h) = substeps(duration_s, step_s);
+        for substep in 0..count {
             let time_s = self.time_s + f64::from(substep + 1) * h;
             let context = StepContext { time_s, step_s: h, gravity_m_s2: self.setup.gravity_m_s2 };
             self.elastic_substep(group, &context, list, collected)?;
@@ -332,6 +352,7 @@ impl World {
             collected.impulse_sum_n_s += sum;
             for c in pressing() {
                 self.log.record(c, context.time_s - context.step_s, context.step_s);
+                record(&mut self.rest, c);
             }
             for body in pressing().flat_map(|c| c.bodies) {
                 self.rest[body as usize].last_touch_step = self.steps;
@@ -349,40 +370,36 @@ impl World {
         report.contact_pairs = pressing as u32;
         report.contact_force_n = if duration_s > 0.0 { collected.impulse_sum_n_s / duration_s } else { 0.0 };
         report.stage = if pressing > 0 { Stage::Collision } else { Stage::Vibrating };
-        self.spring_j = collected.spring_j + self.list.stores().energy_j();
+        self.spring_j = collected.spring_j + self.list.stored_j();
         self.marks = super::publish::marks(constraints(), duration_s);
         self.largest_penetration_ratio = self.largest_penetration_ratio.max(report.max_penetration_ratio);
     }
 
-    /// Lets bodies that have calmed down travel freely or sleep.
-    fn settle(&mut self, groups: &[Vec<usize>], collected: &Collected) {
-        let constraints: Vec<_> = collected.outcomes.iter().flat_map(|o| &o.constraints).copied().collect();
-        for group in groups {
-            for &index in group {
-                if !self.rest[index].is_due(self.time_s) {
-                    continue;
-                }
-                let mut tracker = std::mem::take(&mut self.rest[index]);
-                let view = RestView {
-                    bodies: &self.bodies,
-                    constraints: &constraints,
-                    time_s: self.time_s,
-                    step_s: collected.report.step_s,
-                    gravity_m_s2: self.setup.gravity_m_s2.length(),
-                };
-                tracker.check(index, &view);
-                let since_touch = self.steps - tracker.last_touch_step.min(self.steps);
-                self.rest[index] = tracker;
-                if self.setup.time.free_travel {
-                    let near = is_near_mover(index, &self.bodies, &self.broad.pairs);
-                    let tolerance = self.setup.time.vibration_tolerance;
-                    try_free_travel(&mut self.bodies[index], near, since_touch, tolerance);
-                }
+    /// Lets bodies of an island that have calmed down travel freely or sleep; `step_s` was its elastic step.
+    fn settle(&mut self, group: &[usize], step_s: f64) {
+        for &index in group {
+            if !self.rest[index].is_due(self.time_s) {
+                continue;
             }
-            let rests = |b: &usize| self.bodies[*b].regime == Regime::Elastic && self.rest[*b].is_quiet();
-            if self.setup.time.sleeping && group.iter().all(rests) {
-                group.iter().for_each(|b| fall_asleep(&mut self.bodies[*b]));
+            let mut tracker = std::mem::take(&mut self.rest[index]);
+            let view = RestView {
+                bodies: &self.bodies,
+                time_s: self.time_s,
+                step_s,
+                gravity_m_s2: self.setup.gravity_m_s2.length(),
+            };
+            tracker.check(index, &view);
+            let since_touch = self.steps - tracker.last_touch_step.min(self.steps);
+            self.rest[index] = tracker;
+            if self.setup.time.free_travel {
+                let near = is_near_mover(index, &self.bodies, &self.broad.pairs);
+                let tolerance = self.setup.time.vibration_tolerance;
+                try_free_travel(&mut self.bodies[index], near, since_touch, tolerance);
             }
+        }
+        let rests = |b: &usize| self.bodies[*b].regime == Regime::Elastic && self.rest[*b].is_quiet();
+        if self.setup.time.sleeping && group.iter().all(rests) {
+            group.iter().for_each(|b| fall_asleep(&mut self.bodies[*b]));
         }
     }
 }

@@ -208,6 +208,12 @@ impl World {
             return Err(error);
         }
         self.broad.self_collision = self.setup.contact.self_collision;
+        // What rested by friction may slide now.
+        for body in 0..self.bodies.len() {
+            if self.bodies[body].regime == Regime::Asleep {
+                self.wake(body);
+            }
+        }
         Ok(())
     }
 

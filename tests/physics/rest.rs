@@ -33,8 +33,24 @@ fn a_dropped_rubber_cube_balances() {
     assert!(world.largest_penetration_ratio() < 1e-3);
 }
 
-/// Way down the slope and speed after one second of a block on an incline.
+/// Way down the slope and speed after one second of a block on an incline that is not allowed to sleep: that
+/// would make sticking trivial.
 fn slide(friction_coefficient: f64, degrees: f64) -> (f64, f64) {
+    slide_for(friction_coefficient, degrees, false)
+}
+
+/// See [`slide`].
+fn slide_for(friction_coefficient: f64, degrees: f64, sleeping: bool) -> (f64, f64) {
+    let (mut world, tilt) = incline(friction_coefficient, degrees, sleeping);
+    let start = world.body_pose(1).1;
+    run(&mut world, 1.0, |_, _| {});
+    let down = tilt * DVec3::X;
+    let speed = world.body_momentum_kg_m_s(1).dot(down) / world.mass_kg(1);
+    ((world.body_pose(1).1 - start).dot(down), speed)
+}
+
+/// A block on an incline, and how the incline is turned.
+fn incline(friction_coefficient: f64, degrees: f64, sleeping: bool) -> (World, DQuat) {
     let tilt = DQuat::from_rotation_y(degrees.to_radians());
     let mut ramp = fixed("ramp", box_mesh(DVec3::new(40.0, 2.0, 0.2), [1, 1, 1], DVec3::Z * -0.1));
     let place = DVec3::new(-10.0, 0.0, 0.05);
@@ -46,14 +62,8 @@ fn slide(friction_coefficient: f64, degrees: f64) -> (f64, f64) {
     }
     let mut setup = world(vec![ramp, block]);
     setup.contact.friction_coefficient = friction_coefficient;
-    // Sleep would make sticking trivial.
-    setup.time.sleeping = false;
-    let mut world = World::new(setup).unwrap();
-    let start = world.body_pose(1).1;
-    run(&mut world, 1.0, |_, _| {});
-    let down = tilt * DVec3::X;
-    let speed = world.body_momentum_kg_m_s(1).dot(down) / world.mass_kg(1);
-    ((world.body_pose(1).1 - start).dot(down), speed)
+    setup.time.sleeping = sleeping;
+    (World::new(setup).unwrap(), tilt)
 }
 
 #[test]
@@ -85,6 +95,133 @@ fn a_stack_stays_standing() {
     run(&mut world, 1.0, |_, _| {});
     let top = world.body_pose(4).1;
     assert!((top - DVec3::Z * 0.35).length() < 1e-3, "the top cube is at {top}");
+}
+
+/// Three cubes of one cell each, every next one shifted and turned about z against the one below.
+fn single_cell_stack(offset: f64, degrees: f64) -> World {
+    let bodies = (0..3).map(|i| {
+        let mut m = material(1000.0, 1e7, 0.3);
+        m.damping_per_s = 400.0;
+        let side = [0.0, 1.0, -0.6][i];
+        let mut mesh = box_mesh(DVec3::splat(0.1), [1, 1, 1], DVec3::ZERO);
+        let turn = DQuat::from_rotation_z((side * degrees).to_radians());
+        let place = DVec3::new(side * offset, -0.5 * side * offset, 0.05 + 0.1 * i as f64);
+        mesh.nodes_m.iter_mut().for_each(|x| *x = turn * *x + place);
+        body(&format!("cube{i}"), mesh, m)
+    });
+    let mut setup = world(std::iter::once(ground()).chain(bodies).collect());
+    setup.contact.friction_coefficient = 0.5;
+    World::new(setup).unwrap()
+}
+
+#[test]
+fn cubes_of_one_cell_stand_on_each_other() {
+    // Flush corners, where a node is on the top and the side of the corner below; and corners that
+    // only edges hold.
+    for (offset, degrees) in [(0.0, 0.0), (0.003, 0.0), (0.0, 4.0), (0.003, -3.0)] {
+        let mut world = single_cell_stack(offset, degrees);
+        let start: Vec<DVec3> = (1..4).map(|b| world.body_pose(b).1).collect();
+        run(&mut world, 2.0, |_, _| {});
+        for (body, start) in (1..4).zip(start) {
+            let moved = world.body_pose(body).1 - start;
+            assert!(moved.length() < 2e-4, "{offset} {degrees}: cube {body} moved by {moved}");
+        }
+        assert!(world.largest_penetration_ratio() < 1e-3);
+    }
+}
+
+#[test]
+fn a_stack_beyond_its_base_topples() {
+    // Each cube stands safely on the one below, but the two upper ones together do not stand on the first.
+    let place = |i: f64| DVec3::new(0.04 * i * (1.0 + 0.1 * i), 0.0, 0.05 + 0.1 * i);
+    let bodies = (0..4).map(|i| {
+        let mut m = material(1000.0, 1e7, 0.3);
+        m.damping_per_s = 400.0;
+        body(&format!("cube{i}"), box_mesh(DVec3::splat(0.1), [1, 1, 1], place(f64::from(i))), m)
+    });
+    let mut setup = world(std::iter::once(ground()).chain(bodies).collect());
+    setup.contact.friction_coefficient = 0.8;
+    let mut world = World::new(setup).unwrap();
+    run(&mut world, 1.5, |_, _| {});
+    assert!(world.body_pose(4).1.z < 0.3, "the top cube is still at {}", world.body_pose(4).1);
+}
+
+/// Elastic steps that the world takes until `end_s`.
+fn elastic_steps(world: &mut World, end_s: f64) -> u64 {
+    let mut count = 0;
+    run(world, end_s, |_, s| count += u64::from(s.step.elastic_steps));
+    count
+}
+
+/// A damped cube, 0.1 m wide, that touches the ground at x.
+fn standing_cube(name: &str, x: f64) -> BodySetup {
+    let mut m = material(1000.0, 1e7, 0.3);
+    m.damping_per_s = 400.0;
+    body(name, box_mesh(DVec3::splat(0.1), [2, 2, 2], DVec3::new(x, 0.0, 0.05)), m)
+}
+
+#[test]
+fn what_rests_costs_nothing_until_it_is_touched() {
+    let mut ball = standing_cube("falling", 0.5);
+    ball.mesh.nodes_m.iter_mut().for_each(|x| x.z += 2.0);
+    let mut alone = World::new(world(vec![ground(), ball.clone()])).unwrap();
+    let mut world = World::new(world(vec![ground(), ball, standing_cube("standing", 0.0)])).unwrap();
+    // It lands after 0.64 s; until then the standing cube has come to rest.
+    elastic_steps(&mut world, 0.6);
+    elastic_steps(&mut alone, 0.6);
+    assert!(!world.is_deforming());
+    assert_eq!(elastic_steps(&mut world, 0.62), 0);
+    // The landing of a cube half a metre away is not the standing one's affair.
+    let landing = elastic_steps(&mut alone, 0.7);
+    assert!(landing > 100);
+    assert_eq!(elastic_steps(&mut world, 0.7), landing);
+}
+
+#[test]
+fn a_sleeping_stack_wakes_when_something_lands_on_it() {
+    let mut top = standing_cube("top", 0.0);
+    top.mesh.nodes_m.iter_mut().for_each(|x| x.z += 0.1);
+    let mut falling = standing_cube("falling", 0.02);
+    falling.mesh.nodes_m.iter_mut().for_each(|x| x.z += 2.2);
+    let bodies = vec![ground(), standing_cube("bottom", 0.0), top, falling];
+    let mut world = World::new(world(bodies)).unwrap();
+    run(&mut world, 0.63, |_, _| {});
+    assert!(!world.is_deforming(), "the stack does not rest");
+    let before = world.sample().strain_j;
+    let mut most_j = 0.0_f64;
+    run(&mut world, 0.66, |world, s| {
+        most_j = most_j.max(s.strain_j);
+        assert!(world.largest_penetration_ratio() < 1e-3);
+    });
+    assert!(world.is_deforming() && most_j > 10.0 * before, "{most_j} J after {before} J");
+}
+
+#[test]
+fn a_sleeping_block_slides_when_friction_is_lowered() {
+    let (mut world, tilt) = incline(0.8, 20.0, true);
+    run(&mut world, 1.0, |_, _| {});
+    assert!(!world.is_deforming());
+    let start = world.body_pose(1).1;
+    let mut contact = world.setup().contact.clone();
+    contact.friction_coefficient = 0.1;
+    world.set_contact_parameters(contact).unwrap();
+    run(&mut world, 1.5, |_, _| {});
+    let way_m = (world.body_pose(1).1 - start).dot(tilt * DVec3::X);
+    assert!(way_m > 0.2, "slid by {way_m} m");
+}
+
+#[test]
+fn a_block_that_slides_slowly_does_not_fall_asleep() {
+    // A twentieth of a degree beyond the friction angle: a hundredth of gravity is left to pull.
+    let friction_coefficient = 20_f64.to_radians().tan();
+    let (way_m, speed) = slide_for(friction_coefficient, 20.05, true);
+    let angle = 20.05_f64.to_radians();
+    let expected = G * (angle.sin() - friction_coefficient * angle.cos());
+    // It slipped a little on landing before friction took hold.
+    assert!(speed > 0.8 * expected && way_m > 0.4 * expected, "{way_m} m, {speed} m/s");
+    // Below it, it comes to rest.
+    let (way_m, speed) = slide_for(friction_coefficient, 19.0, true);
+    assert!(way_m.abs() < 1e-3 * 0.2 && speed == 0.0, "{way_m} m, {speed} m/s");
 }
 
 #[test]

@@ -1,0 +1,115 @@
+//! Which pairs pressed in the last step: the memory of the atomic table.
+
+use super::constraint::{Constraint, Feature};
+use super::impact::ImpactStores;
+use glam::DVec3;
+
+/// Cosine of the angle up to which a patch continues the one that held a node before.
+const SAME_SIDE: f64 = 0.8;
+
+/// (body of the node, node, body of the patch).
+pub(super) type HeldNode = (u32, u32, u32);
+/// (first body, second body, first edge, second edge).
+type HeldEdges = (u32, u32, u32, u32);
+
+/// Which pairs pressed in the last step ("as in the last step" in the atomic table).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CollisionList {
+    /// (body of the node, node, body of the patch), sorted, with the normal and the impulse, N s.
+    held_nodes: Vec<(HeldNode, DVec3, DVec3)>,
+    /// (first body, second body, first edge, second edge), sorted, and the impulse, N s.
+    held_edges: Vec<(HeldEdges, DVec3)>,
+    /// Energy of their impacts.
+    stores: ImpactStores,
+}
+
+impl CollisionList {
+    /// The pairs that press with an impulse; a share `left` of what impacts stored remains.
+    #[must_use]
+    pub fn of(constraints: &[Constraint], left: f64) -> Self {
+        let mut list = Self { stores: ImpactStores::of(constraints, left), ..Self::default() };
+        for c in constraints.iter().filter(|c| c.impulse_n_s != DVec3::ZERO) {
+            match c.feature {
+                Feature::NodeOnPatch { node, .. } => {
+                    list.held_nodes.push(((c.bodies[0], node, c.bodies[1]), c.normal, c.impulse_n_s));
+                }
+                Feature::EdgeOnEdge { first, second } => {
+                    let key = (c.bodies[0], c.bodies[1], first, second);
+                    list.held_edges.push((key, c.impulse_n_s));
+                }
+            }
+        }
+        list.held_nodes.sort_by_key(|h| h.0);
+        list.held_edges.sort_by_key(|h| h.0);
+        list
+    }
+
+    /// The pairs of which at least one body passes.
+    #[must_use]
+    pub fn keep(&self, of: impl Fn(u32) -> bool) -> Self {
+        let mut kept = self.clone();
+        kept.held_nodes.retain(|((a, _, b), _, _)| of(*a) || of(*b));
+        kept.held_edges.retain(|((a, b, _, _), _)| of(*a) || of(*b));
+        kept.stores = kept.stores.keep(of);
+        kept
+    }
+
+    /// Adds another list.
+    pub fn merge(&mut self, other: Self) {
+        self.held_nodes.extend(other.held_nodes);
+        self.held_nodes.sort_by_key(|h| h.0);
+        self.held_edges.extend(other.held_edges);
+        self.held_edges.sort_by_key(|h| h.0);
+        self.stores.merge(other.stores);
+    }
+
+    /// Whether the node was held by the body along about this normal.
+    pub(super) fn holds(&self, key: HeldNode, normal: DVec3) -> bool {
+        let first = self.held_nodes.partition_point(|h| h.0 < key);
+        let same = self.held_nodes[first..].iter().take_while(|h| h.0 == key);
+        same.into_iter().any(|h| h.1.dot(normal) > SAME_SIDE)
+    }
+
+    /// Gives every store of an impact to a pair (see [`ImpactStores::hand_over`]), and every pair that pressed in
+    /// the last step its impulse of then, as a first guess.
+    pub fn hand_over(&self, constraints: &mut [Constraint]) {
+        self.stores.hand_over(constraints);
+        for c in constraints {
+            c.impulse_n_s = self.last_impulse_n_s(c).unwrap_or_default();
+        }
+    }
+
+    fn last_impulse_n_s(&self, c: &Constraint) -> Option<DVec3> {
+        match c.feature {
+            Feature::NodeOnPatch { node, .. } => {
+                let key = (c.bodies[0], node, c.bodies[1]);
+                let first = self.held_nodes.partition_point(|h| h.0 < key);
+                let same = self.held_nodes[first..].iter().take_while(|h| h.0 == key);
+                same.into_iter().find(|h| h.1.dot(c.normal) > SAME_SIDE).map(|h| h.2)
+            }
+            Feature::EdgeOnEdge { first, second } => {
+                let key = (c.bodies[0], c.bodies[1], first, second);
+                let at = self.held_edges.binary_search_by_key(&key, |h| h.0).ok()?;
+                Some(self.held_edges[at].1)
+            }
+        }
+    }
+
+    /// Energy that impacts have stored, J.
+    #[must_use]
+    pub fn stored_j(&self) -> f64 {
+        self.stores.energy_j()
+    }
+
+    /// Whether the two edges pressed.
+    pub(super) fn holds_edges(&self, bodies: [u32; 2], edges: [u32; 2]) -> bool {
+        let key = (bodies[0], bodies[1], edges[0], edges[1]);
+        self.held_edges.binary_search_by_key(&key, |h| h.0).is_ok()
+    }
+
+    /// Whether no pair pressed.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.held_nodes.is_empty() && self.held_edges.is_empty()
+    }
+}
