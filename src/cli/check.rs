@@ -7,7 +7,7 @@ use super::scene_source::is_built_in;
 use crate::fem::{ElasticConstants, ElementBatches};
 use crate::mesh::import::{ImportOptions, ImportedMesh, read_mesh};
 use crate::mesh::{MeshReport, TetMesh};
-use crate::scene::{BodySummary, PRESETS, Scene, SceneSummary};
+use crate::scene::{PRESETS, Scene, SceneSummary};
 use crate::sim::{World, WorldSetup};
 use clap::Args;
 use std::path::Path;
@@ -20,7 +20,7 @@ pub struct CheckArgs {
     pub file: String,
 }
 
-/// How long a trial takes at least, s of wall time, unless the scene ends before.
+/// How long a trial goes on, s of wall time, unless the scene ends before.
 const TRIAL_S: f64 = 0.4;
 /// Materials that a mesh's stable step is told for: about the stiffest and the softest.
 const EXAMPLE_MATERIALS: [&str; 2] = ["steel", "rubber"];
@@ -51,39 +51,50 @@ fn check_scene(file: &str, common: &CommonArgs, console: &Console) -> Result<(),
     let world = World::new(scene.setup.clone())?;
     let summary = SceneSummary::of(&scene, &world);
     console.result(summary.to_string().trim_end())?;
-    if let Some(element_step_s) = trial(&scene.setup, &summary) {
-        let threads = rayon::current_num_threads();
-        let threads = if threads == 1 { "one thread".to_owned() } else { format!("{threads} threads") };
+    if let Some(cost) = trial(&scene.setup, summary.duration_s) {
+        let threads = match rayon::current_num_threads() {
+            1 => "one thread".to_owned(),
+            count => format!("{count} threads"),
+        };
         console.result(format_args!(
-            "  that would take {} here and now: a trial took {:.0} ns a step and element on {threads}",
-            rough_time(element_step_s * summary.element_steps_at_most()),
-            1e9 * element_step_s,
+            "  at the pace of its first {} steps, with everything deforming, that takes {} here and now on {threads}",
+            cost.steps,
+            rough_time(cost.total_s),
         ))?;
         console.result(
-            "  (less while bodies move freely or rest; more where contacts are many or large strain \
-             shortens the step)",
+            "  (less while bodies move freely or rest; more where contacts are many or large strain shortens \
+             the step)",
         )?;
     }
     console.result(format_args!("`{file}` is sound"))
 }
 
-/// Wall time of an elastic step of one element, s: the beginning of the scene with every body deforming from the start,
-/// in contact with what it stands on. `None` when nothing deforms, or when that run blows up.
-fn trial(setup: &WorldSetup, summary: &SceneSummary) -> Option<f64> {
+/// What a trial found.
+struct TrialCost {
+    /// Steps that were timed.
+    steps: u64,
+    /// Wall time of the whole scene at their pace, s.
+    total_s: f64,
+}
+
+/// Times the beginning of the scene with every body deforming, touching what it stands on; `None` when nothing
+/// deforms, or when that run blows up.
+fn trial(setup: &WorldSetup, duration_s: f64) -> Option<TrialCost> {
     let mut setup = setup.clone();
     setup.time.free_travel = false;
     setup.time.sleeping = false;
     let mut world = World::new(setup).ok()?;
-    // The first step looks for everything that is near.
-    world.step(summary.duration_s).ok()?;
-    let (started, start_s) = (Instant::now(), world.time_s());
-    while started.elapsed().as_secs_f64() < TRIAL_S && world.time_s() < summary.duration_s {
-        world.step(summary.duration_s).ok()?;
+    if !world.is_deforming() {
+        return None;
     }
-    let wall_s = started.elapsed().as_secs_f64();
-    let steps_of = |body: &BodySummary| (world.time_s() - start_s) / body.step_s * body.elements as f64;
-    let element_steps: f64 = summary.bodies.iter().map(steps_of).sum();
-    (element_steps > 0.0).then(|| wall_s / element_steps)
+    // The first step looks for everything that is near, which few others do.
+    world.step(duration_s).ok()?;
+    let (started, start_s) = (Instant::now(), world.time_s());
+    while started.elapsed().as_secs_f64() < TRIAL_S && world.time_s() < duration_s {
+        world.step(duration_s).ok()?;
+    }
+    let total_s = started.elapsed().as_secs_f64() / (world.time_s() - start_s) * duration_s;
+    total_s.is_finite().then_some(TrialCost { steps: world.steps() - 1, total_s })
 }
 
 fn rough_time(seconds: f64) -> String {

@@ -71,13 +71,6 @@ impl SceneSummary {
     pub fn steps_at_most(&self) -> f64 {
         (self.duration_s / self.step_s()).ceil()
     }
-
-    /// Elastic steps of single elements at most: all bodies that deform with the smallest step.
-    #[must_use]
-    pub fn element_steps_at_most(&self) -> f64 {
-        let deforming = self.bodies.iter().filter(|body| body.step_s.is_finite());
-        deforming.map(|body| body.elements as f64).sum::<f64>() * self.steps_at_most()
-    }
 }
 
 fn summary_of(world: &World, index: usize) -> BodySummary {
