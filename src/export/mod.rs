@@ -10,6 +10,7 @@ pub mod png;
 pub mod summary;
 pub mod vtu;
 
+use crate::io_reason::io_reason;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -58,23 +59,6 @@ impl ExportError {
             _ => Self::Io { action, path, source },
         }
     }
-}
-
-/// The reason in plain words, with what to do where that is clear.
-#[must_use]
-pub fn io_reason(error: &io::Error) -> String {
-    use io::ErrorKind as Kind;
-    let known = match error.kind() {
-        Kind::NotFound => "there is no such file or folder",
-        Kind::PermissionDenied => "permission denied; choose a place you may write to",
-        Kind::StorageFull => "the disk is full; free some space or choose another place",
-        Kind::QuotaExceeded => "your disk quota is used up; free some space",
-        Kind::ReadOnlyFilesystem => "the file system is read-only; choose another place",
-        Kind::NotADirectory => "a part of this path is a file, not a folder",
-        Kind::IsADirectory => "this is a folder, not a file",
-        _ => return error.to_string(),
-    };
-    known.to_owned()
 }
 
 /// Creates a folder and its parents.
