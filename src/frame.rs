@@ -3,7 +3,9 @@
 //! The simulation publishes a [`Frame`]; the renderer, the exporters of pictures and the viewer
 //! read it. Positions are `f32` here and nowhere below.
 
+use std::str::FromStr;
 use std::sync::Arc;
+use thiserror::Error;
 
 /// The drawable surface of a body; shared between frames until the topology changes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -117,9 +119,157 @@ impl Frame {
     }
 }
 
+/// What the surface colours mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ColorBy {
+    /// Each material in its own colour.
+    #[default]
+    Material,
+    /// Each body in its own colour.
+    Body,
+    /// Speed.
+    Speed,
+    /// Length of the displacement from the rigidly moved shape.
+    Displacement,
+    /// Von Mises equivalent stress.
+    VonMises,
+    /// Largest principal stress.
+    MaxPrincipal,
+    /// Smallest principal stress.
+    MinPrincipal,
+    /// Mean normal stress, tension positive.
+    MeanStress,
+}
+
+/// A word that is no field to colour by.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("cannot colour by '{given}'; choose one of {}", ColorBy::ALL.map(ColorBy::name).join(", "))]
+pub struct UnknownColorBy {
+    /// The word.
+    pub given: String,
+}
+
+impl ColorBy {
+    /// All of them, in the order of menus.
+    pub const ALL: [Self; 8] = [
+        Self::Material,
+        Self::Body,
+        Self::Speed,
+        Self::Displacement,
+        Self::VonMises,
+        Self::MaxPrincipal,
+        Self::MinPrincipal,
+        Self::MeanStress,
+    ];
+
+    /// The word on the command line and in scene files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Material => "material",
+            Self::Body => "body",
+            Self::Speed => "speed",
+            Self::Displacement => "displacement",
+            Self::VonMises => "von-mises",
+            Self::MaxPrincipal => "max-principal",
+            Self::MinPrincipal => "min-principal",
+            Self::MeanStress => "mean-stress",
+        }
+    }
+
+    /// The words in menus and legends.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Material => "Material",
+            Self::Body => "Body",
+            Self::Speed => "Speed",
+            Self::Displacement => "Displacement",
+            Self::VonMises => "Von Mises stress",
+            Self::MaxPrincipal => "Max principal stress",
+            Self::MinPrincipal => "Min principal stress",
+            Self::MeanStress => "Mean stress",
+        }
+    }
+
+    /// Unit of the values, empty for colours without values.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Material | Self::Body => "",
+            Self::Speed => "m/s",
+            Self::Displacement => "m",
+            Self::VonMises | Self::MaxPrincipal | Self::MinPrincipal | Self::MeanStress => "Pa",
+        }
+    }
+
+    /// Whether values of both signs occur, so that the map must be centred at zero.
+    #[must_use]
+    pub fn is_signed(self) -> bool {
+        matches!(self, Self::MaxPrincipal | Self::MinPrincipal | Self::MeanStress)
+    }
+
+    /// Whether there are values behind the colours, and so a legend.
+    #[must_use]
+    pub fn has_values(self) -> bool {
+        !matches!(self, Self::Material | Self::Body)
+    }
+
+    /// The values at the vertices, in [`ColorBy::unit`]; `None` for colours without values.
+    #[must_use]
+    pub fn values(self, fields: &VertexFields) -> Option<&[f32]> {
+        match self {
+            Self::Material | Self::Body => None,
+            Self::Speed => Some(&fields.speed_m_s),
+            Self::Displacement => Some(&fields.displacement_m),
+            Self::VonMises => Some(&fields.von_mises_pa),
+            Self::MaxPrincipal => Some(&fields.max_principal_pa),
+            Self::MinPrincipal => Some(&fields.min_principal_pa),
+            Self::MeanStress => Some(&fields.mean_stress_pa),
+        }
+    }
+
+    /// The values of a body that takes colours by value: fixed bodies stay as they are.
+    #[must_use]
+    pub fn values_of(self, body: &BodyFrame) -> Option<&[f32]> {
+        (body.role != BodyRole::Fixed).then(|| self.values(&body.fields)).flatten()
+    }
+}
+
+impl FromStr for ColorBy {
+    type Err = UnknownColorBy;
+
+    fn from_str(text: &str) -> Result<Self, UnknownColorBy> {
+        let wanted = text.trim().to_ascii_lowercase().replace(['_', ' '], "-");
+        Self::ALL
+            .into_iter()
+            .find(|choice| choice.name() == wanted)
+            .ok_or_else(|| UnknownColorBy { given: text.to_owned() })
+    }
+}
+
 fn bounds_of<'a>(bodies: impl Iterator<Item = &'a BodyFrame>) -> Option<([f32; 3], [f32; 3])> {
     bodies.flat_map(|b| &b.positions_m).fold(None, |bounds, p| {
         let (low, high) = bounds.unwrap_or((*p, *p));
         Some((std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_reads_back() {
+        for choice in ColorBy::ALL {
+            assert_eq!(choice.name().parse(), Ok(choice));
+        }
+        assert_eq!("Von Mises".parse(), Ok(ColorBy::VonMises));
+    }
+
+    #[test]
+    fn unknown_field_lists_the_choices() {
+        let text = "vonmises".parse::<ColorBy>().unwrap_err().to_string();
+        assert!(text.contains("'vonmises'") && text.contains("von-mises"), "{text}");
+    }
 }

@@ -15,6 +15,7 @@ pub mod contact;
 pub mod export;
 pub mod fem;
 pub mod frame;
+pub mod io_reason;
 pub mod math;
 pub mod mesh;
 pub mod render;

@@ -14,8 +14,6 @@
 mod compare;
 #[path = "pictures/files.rs"]
 mod files;
-#[path = "pictures/gallery.rs"]
-mod gallery;
 #[path = "pictures/scenes.rs"]
 mod scenes;
 #[path = "pictures/shapes.rs"]

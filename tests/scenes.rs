@@ -1,8 +1,9 @@
 //! Scenes as users meet them: the shipped ones build, wrong ones are refused with the place and the
 //! reason, overrides reach every value, and nothing that can be typed makes the program panic.
 
-use hammerfall::scene::{BUILTIN_SCENES, Location, Scene, SceneError, overlap};
-use hammerfall::sim::{BodyMotion, BoundaryAction, ContactMethod};
+use hammerfall::scene::{BUILTIN_SCENES, Location, Scene, SceneError, SceneSummary, overlap};
+use hammerfall::sim::{BodyMotion, BoundaryAction, ContactMethod, World};
+use std::io::Write as _;
 use std::path::Path;
 
 const STACK: &str = "stack";
@@ -57,13 +58,18 @@ fn assert_problems(text: &str, overrides: &[&str], expected: &[&str]) {
     );
 }
 
+fn summary_of(scene: &Scene) -> SceneSummary {
+    SceneSummary::of(scene, &World::new(scene.setup.clone()).unwrap())
+}
+
 #[test]
 fn every_shipped_scene_builds() {
     for builtin in BUILTIN_SCENES {
         let scene = Scene::load(builtin.name, &[]).unwrap_or_else(|e| panic!("{}: {e}", builtin.name));
         let moving = |motion: &BodyMotion| matches!(motion, BodyMotion::Deformable(_));
         assert!(scene.setup.bodies.iter().any(|body| moving(&body.motion)));
-        assert!(scene.summary.step_s() > 0.0 && scene.summary.step_s().is_finite());
+        let summary = summary_of(&scene);
+        assert!(summary.step_s() > 0.0 && summary.step_s().is_finite());
         assert!(scene.description.recording.start_s < scene.description.duration_s);
         let picture_s = scene.description.duration_s - scene.description.recording.start_s;
         let shown_s = picture_s * scene.description.recording.slow_motion;
@@ -78,7 +84,8 @@ fn fine_scenes_differ_in_resolution_only() {
             continue;
         };
         let [coarse, fine] = [builtin.name, fine.name].map(|name| Scene::load(name, &[]).unwrap());
-        assert!(fine.summary.elements() > 3 * coarse.summary.elements(), "{}", fine.name);
+        let elements = |scene| summary_of(scene).elements();
+        assert!(elements(&fine) > 3 * elements(&coarse), "{}", fine.name);
         for (a, b) in coarse.setup.bodies.iter().zip(&fine.setup.bodies) {
             assert_eq!((&a.name, &a.materials, &a.motion), (&b.name, &b.materials, &b.motion));
             assert_eq!((a.velocity_m_s, a.spin_rad_s), (b.velocity_m_s, b.spin_rad_s));
@@ -141,7 +148,13 @@ fn bodies_on_others_touch_and_do_not_overlap() {
 fn the_example_with_mesh_files_builds() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes/tet");
     if !folder.is_dir() {
-        eprintln!("NOT TESTED: the meshes are absent, {} is no folder", folder.display());
+        let text = format!(
+            "\n*** The real mesh files are absent ({}): NOTHING IS TESTED HERE. ***\n",
+            folder.display()
+        );
+        assert!(std::env::var_os("CI").is_none(), "{text}");
+        // Not by `eprintln!`, which the test harness keeps to itself unless the test fails.
+        let _ = writeln!(std::io::stderr(), "{text}");
         return;
     }
     let text = include_str!("../assets/scenes/examples/hammer-on-table-mesh.toml");
@@ -150,16 +163,17 @@ fn the_example_with_mesh_files_builds() {
     };
     let steel = load(&[]);
     let rubber = load(&["materials.stuff.preset=rubber".to_owned()]);
-    let counts: Vec<usize> = steel.summary.bodies.iter().map(|body| body.elements).collect();
+    let [steel_summary, rubber_summary] = [&steel, &rubber].map(summary_of);
+    let counts: Vec<usize> = steel_summary.bodies.iter().map(|body| body.elements).collect();
     assert_eq!(counts, [6, 17_004, 9_683]);
-    assert!(rubber.summary.step_s() > 20.0 * steel.summary.step_s());
-    let added = |scene: &Scene| {
-        let hammer = &scene.summary.bodies[2];
+    assert!(rubber_summary.step_s() > 20.0 * steel_summary.step_s());
+    let added = |summary: &SceneSummary| {
+        let hammer = &summary.bodies[2];
         hammer.added_mass_kg / hammer.mass_kg
     };
-    assert!((added(&steel) - 0.01).abs() < 1e-6 && (added(&rubber) - 0.01).abs() < 1e-6);
+    assert!((added(&steel_summary) - 0.02).abs() < 1e-6 && (added(&rubber_summary) - 0.02).abs() < 1e-6);
     let unscaled = load(&["bodies.hammer.mass_scaling=0".to_owned()]);
-    assert!(unscaled.summary.step_s() < 0.1 * steel.summary.step_s(), "slivers dictate the step");
+    assert!(summary_of(&unscaled).step_s() < 0.2 * steel_summary.step_s(), "slivers dictate the step");
     let (low, high) = steel.setup.bodies[1].mesh.bounds_m().unwrap();
     assert!(low.z.abs() < 1e-12 && (high.z - 0.70).abs() < 0.01, "it stands: {low} {high}");
 }

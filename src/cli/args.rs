@@ -1,7 +1,7 @@
 //! Arguments that several subcommands share, and how values are read.
 
 use super::failure::Failure;
-use crate::render::ColorBy;
+use crate::frame::{ColorBy, UnknownColorBy};
 use clap::Args;
 
 /// Options that every subcommand has.
@@ -115,7 +115,7 @@ pub fn parse_factor(text: &str) -> Result<f64, String> {
 /// # Errors
 /// The choices, for clap to print.
 pub fn parse_color_by(text: &str) -> Result<ColorBy, String> {
-    text.parse().map_err(|error: crate::render::UnknownColorBy| error.to_string())
+    text.parse().map_err(|error: UnknownColorBy| error.to_string())
 }
 
 /// Width and height of a picture in pixels.

@@ -4,12 +4,14 @@ use super::args::CommonArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::scene_source::is_built_in;
-use crate::mesh::MeshReport;
+use crate::fem::{ElasticConstants, ElementBatches};
 use crate::mesh::import::{ImportOptions, ImportedMesh, read_mesh};
-use crate::scene::{PRESETS, Preset, Scene};
-use crate::sim::World;
+use crate::mesh::{MeshReport, TetMesh};
+use crate::scene::{PRESETS, Scene, SceneSummary};
+use crate::sim::{World, WorldSetup};
 use clap::Args;
 use std::path::Path;
+use std::time::Instant;
 
 /// Arguments of `check`.
 #[derive(Debug, Args)]
@@ -18,8 +20,8 @@ pub struct CheckArgs {
     pub file: String,
 }
 
-/// Computing time of one elastic step of one element on one core, s; a round guess.
-const ELEMENT_STEP_S: f64 = 50e-9;
+/// How long a trial goes on, s of wall time, unless the scene ends before.
+const TRIAL_S: f64 = 0.4;
 /// Materials that a mesh's stable step is told for: about the stiffest and the softest.
 const EXAMPLE_MATERIALS: [&str; 2] = ["steel", "rubber"];
 
@@ -46,23 +48,61 @@ fn is_mesh(file: &str) -> bool {
 
 fn check_scene(file: &str, common: &CommonArgs, console: &Console) -> Result<(), Failure> {
     let scene = Scene::load(file, &common.overrides).map_err(|error| Failure::BadInput(error.to_string()))?;
-    World::new(scene.setup.clone())?;
-    let summary = &scene.summary;
+    let world = World::new(scene.setup.clone())?;
+    let summary = SceneSummary::of(&scene, &world);
     console.result(summary.to_string().trim_end())?;
-    let cost_s = ELEMENT_STEP_S * summary.elements() as f64 * summary.steps_at_most();
-    if cost_s.is_finite() {
-        let cost = rough_time(cost_s);
-        console.result(format_args!("  that is roughly {cost} of computing on one core at most"))?;
+    if let Some(cost) = trial(&scene.setup, summary.duration_s) {
+        let threads = match rayon::current_num_threads() {
+            1 => "one thread".to_owned(),
+            count => format!("{count} threads"),
+        };
+        console.result(format_args!(
+            "  at the pace of its first {} steps, with everything deforming, that takes {} here and now on {threads}",
+            cost.steps,
+            rough_time(cost.total_s),
+        ))?;
+        console.result(
+            "  (less while bodies move freely or rest; more where contacts are many or large strain shortens \
+             the step)",
+        )?;
     }
     console.result(format_args!("`{file}` is sound"))
 }
 
+/// What a trial found.
+struct TrialCost {
+    /// Steps that were timed.
+    steps: u64,
+    /// Wall time of the whole scene at their pace, s.
+    total_s: f64,
+}
+
+/// Times the beginning of the scene with every body deforming, touching what it stands on; `None` when nothing
+/// deforms, or when that run blows up.
+fn trial(setup: &WorldSetup, duration_s: f64) -> Option<TrialCost> {
+    let mut setup = setup.clone();
+    setup.time.free_travel = false;
+    setup.time.sleeping = false;
+    let mut world = World::new(setup).ok()?;
+    if !world.is_deforming() {
+        return None;
+    }
+    // The first step looks for everything that is near, which few others do.
+    world.step(duration_s).ok()?;
+    let (started, start_s) = (Instant::now(), world.time_s());
+    while started.elapsed().as_secs_f64() < TRIAL_S && world.time_s() < duration_s {
+        world.step(duration_s).ok()?;
+    }
+    let total_s = started.elapsed().as_secs_f64() / (world.time_s() - start_s) * duration_s;
+    total_s.is_finite().then_some(TrialCost { steps: world.steps() - 1, total_s })
+}
+
 fn rough_time(seconds: f64) -> String {
     match seconds {
-        s if s < 1.0 => "a second".to_owned(),
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.0} h", s / 3600.0),
+        s if s < 1.5 => "about a second".to_owned(),
+        s if s < 120.0 => format!("about {s:.0} s"),
+        s if s < 7200.0 => format!("about {:.0} min", s / 60.0),
+        s => format!("about {:.0} h", s / 3600.0),
     }
 }
 
@@ -78,7 +118,7 @@ fn check_mesh(file: &str, common: &CommonArgs, console: &Console) -> Result<(), 
     console.result(format_args!("format              {format}"))?;
     console.result(&report)?;
     for name in EXAMPLE_MATERIALS {
-        if let Some(step_s) = stable_step_s(&report, name) {
+        if let Some(step_s) = stable_step_s(&mesh, name) {
             let steps_a_second = 1.0 / step_s;
             console.result(format_args!(
                 "stable step         {step_s:.2e} s if it were of {name}: {steps_a_second:.1e} steps a second"
@@ -94,17 +134,13 @@ fn check_mesh(file: &str, common: &CommonArgs, console: &Console) -> Result<(), 
     }
 }
 
-/// Smallest altitude over the speed of pressure waves, s.
-fn stable_step_s(report: &MeshReport, material: &str) -> Option<f64> {
+/// Stable step of a body of this mesh and a material of the library, s; `None` for a mesh that makes no body.
+fn stable_step_s(mesh: &TetMesh, material: &str) -> Option<f64> {
     let preset = PRESETS.iter().find(|preset| preset.name == material)?;
-    Some(report.smallest_altitude_m?.value / pressure_wave_speed_m_s(preset))
-}
-
-/// c_p = sqrt((lambda + 2 mu) / rho).
-fn pressure_wave_speed_m_s(material: &Preset) -> f64 {
-    let nu = material.poisson_ratio;
-    let modulus_pa = material.youngs_modulus_pa * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
-    (modulus_pa / material.density_kg_m3).sqrt()
+    let constants =
+        ElasticConstants::new(preset.youngs_modulus_pa, preset.poisson_ratio, preset.density_kg_m3).ok()?;
+    let elements = ElementBatches::new(&mesh.nodes_m, &mesh.tets, &vec![constants; mesh.tets.len()]).ok()?;
+    Some(elements.stable_step_s(&elements.lumped_masses_kg(None))).filter(|step_s| step_s.is_finite())
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! What can go wrong, and the one place that tells it.
 
 use crate::export::ExportError;
-use crate::export::png::PictureError;
 use crate::sim::SimError;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -72,13 +71,6 @@ impl From<ExportError> for Failure {
         Self::Run(error.to_string())
     }
 }
-
-impl From<PictureError> for Failure {
-    fn from(error: PictureError) -> Self {
-        Self::Run(error.to_string())
-    }
-}
-
 /// Prints clap's message, or the help that was asked for, and gives its exit status.
 pub fn report_usage(error: &clap::Error) -> ExitCode {
     // Fails only when nobody reads any more.

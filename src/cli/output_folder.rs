@@ -5,9 +5,10 @@
 
 use super::console::Console;
 use super::failure::Failure;
+use crate::export::create_folder;
 use crate::export::summary::{PROGRAM, SUMMARY_FILE};
 use crate::export::vtu::{COLLECTION_FILE, FRAME_FOLDER};
-use crate::export::{create_folder, io_reason};
+use crate::io_reason::io_reason;
 use std::path::{Path, PathBuf};
 
 /// Name of the table of balances.

@@ -141,11 +141,13 @@ impl Recorder {
     }
 
     fn advance(&mut self, moment_s: f64, plan: &Plan, progress: &mut Progress) -> Result<Arrival, Failure> {
-        let Self { world, tally, history, last_row_s, .. } = self;
+        let Self { world, tally, history, last_row_s, initial, .. } = self;
         stepping::advance(world, moment_s, |world, step| {
             tally.add(step);
             if plan.has_row_each_step() {
-                history.write(&stepping::sound_sample(world)?)?;
+                let row = stepping::sound_sample(world)?;
+                tally.add_row(initial, &row);
+                history.write(&row)?;
                 *last_row_s = step.time_s;
             }
             progress.at(step.time_s, || describe_step(step, tally.counts.steps));
@@ -156,7 +158,9 @@ impl Recorder {
     /// Writes a row for the world as it stands, unless that has been done.
     fn write_row(&mut self) -> Result<(), Failure> {
         if self.world.time_s() > self.last_row_s {
-            self.history.write(&stepping::sound_sample(&self.world)?)?;
+            let row = stepping::sound_sample(&self.world)?;
+            self.tally.add_row(&self.initial, &row);
+            self.history.write(&row)?;
             self.last_row_s = self.world.time_s();
         }
         Ok(())
@@ -230,8 +234,8 @@ impl Recorder {
             counts.contact_steps,
         ))?;
         console.closing(format_args!(
-            "energy balance error {:.3e} J, deepest penetration {:.3e} m",
-            self.summary.energy_balance_error_j, extremes.largest_penetration_m,
+            "largest energy balance error {:.3e} J, deepest penetration {:.3e} m",
+            self.summary.largest_energy_balance_error_j, extremes.largest_penetration_m,
         ))?;
         let frames = match counts.vtu_frames {
             0 => String::new(),

@@ -11,7 +11,7 @@ use crate::scene::{BUILTIN_SCENES, Scene};
 /// [`Failure::BadInput`] with everything that is wrong with it.
 pub fn load(name_or_path: &str, overrides: &[String], console: &Console) -> Result<Scene, Failure> {
     let scene = Scene::load(name_or_path, overrides).map_err(|error| Failure::BadInput(error.to_string()))?;
-    for (body, note) in &scene.summary.notes {
+    for (body, note) in &scene.notes {
         console.note(format_args!("note on `{body}`: {note}"));
     }
     Ok(scene)

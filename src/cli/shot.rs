@@ -3,12 +3,12 @@
 use super::failure::Failure;
 use super::picture_output::OutputKind;
 use super::render::RenderArgs;
-use crate::frame::Frame;
+use crate::frame::{ColorBy, Frame};
 use crate::render::{
-    Camera, Caption, ColorBy, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range, View,
+    Camera, Caption, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range, View,
 };
 use crate::scene::SceneDescription;
-use crate::scene::description::{Camera as SceneCamera, Recording};
+use crate::scene::description::Camera as SceneCamera;
 use crate::viewer::scene_camera;
 
 /// More pictures than this are surely a slip of the slow motion or the rate.
@@ -95,10 +95,7 @@ impl Shot {
         Ok(Self {
             moments,
             camera: choose_camera(args.camera.as_deref(), scene)?,
-            color_by: match args.color_by {
-                Some(color_by) => color_by,
-                None => color_by_of(recording)?,
-            },
+            color_by: args.color_by.unwrap_or(recording.color_by),
             wireframe: args.wireframe,
             caption: (!args.no_caption).then_some(caption),
             size_px: args.size.map_or(recording.size_px, |size| [size.width, size.height]),
@@ -150,11 +147,6 @@ fn even_moments(start_s: f64, end_s: f64, interval_s: f64) -> Result<Moments, Fa
         )));
     }
     Ok(Moments::Even { start_s, interval_s, count: count as u32 })
-}
-
-fn color_by_of(recording: &Recording) -> Result<ColorBy, Failure> {
-    let name = recording.color_by.name();
-    name.parse().map_err(|error: crate::render::UnknownColorBy| Failure::BadInput(error.to_string()))
 }
 
 fn choose_camera(asked: Option<&str>, scene: &SceneDescription) -> Result<CameraChoice, Failure> {

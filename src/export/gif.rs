@@ -3,8 +3,8 @@
 //! After every picture the file on disk is a complete GIF: whatever ends the program, what was
 //! written so far can be watched.
 
+use super::ExportError;
 use crate::export::palette::Palette;
-use crate::export::png::{PictureError, write_error};
 use crate::render::Picture;
 use std::borrow::Cow;
 use std::fs::File;
@@ -45,15 +45,15 @@ impl GifWriter {
     /// as those to come (the first one will do); later pictures bring their own where needed.
     ///
     /// # Errors
-    /// [`PictureError`]: where it cannot be written, a side above 65,535 pixels, a rate that is
+    /// [`ExportError`]: where it cannot be written, a side above 65,535 pixels, a rate that is
     /// not above 0 and at most 50 pictures a second.
     pub fn create(
         path: &Path,
         size_px: [u32; 2],
         fps: f64,
         samples: &[&Picture],
-    ) -> Result<Self, PictureError> {
-        let failed = |reason: String| PictureError::Encode { file: path.to_owned(), reason };
+    ) -> Result<Self, ExportError> {
+        let failed = |reason: String| ExportError::Encode { path: path.to_owned(), reason };
         if !(fps > 0.0 && fps <= MAX_FPS) {
             return Err(failed(format!(
                 "{fps} pictures a second; GIF players show more than 0 and at most {MAX_FPS}"
@@ -69,7 +69,7 @@ impl GifWriter {
                 Ok(encoder)
             })
             .map_err(|error| failed(error.to_string()))?;
-        let file = File::create(path).map_err(|error| write_error(path, error))?;
+        let file = File::create(path).map_err(ExportError::io("write", path))?;
         Ok(Self {
             path: path.to_owned(),
             file,
@@ -87,9 +87,9 @@ impl GifWriter {
     /// Appends a picture and brings it to the disk.
     ///
     /// # Errors
-    /// [`PictureError`]: a picture of another size, a full disk; the pictures before stay
+    /// [`ExportError`]: a picture of another size, a full disk; the pictures before stay
     /// readable.
-    pub fn push(&mut self, picture: &Picture) -> Result<(), PictureError> {
+    pub fn push(&mut self, picture: &Picture) -> Result<(), ExportError> {
         let [width, height] = self.size;
         let pixels: Vec<[u8; 3]> = colors(picture).collect();
         if picture.width as usize != width || pixels.len() != width * height {
@@ -115,19 +115,19 @@ impl GifWriter {
         };
         self.encoder.write_frame(&frame).map_err(|error| self.failed(error.to_string()))?;
         self.pictures += 1;
-        self.flush().map_err(|error| write_error(&self.path, error))
+        self.flush().map_err(ExportError::io("write", &self.path))
     }
 
     /// Ends the file. Dropping the writer does as well, but tells no errors.
     ///
     /// # Errors
-    /// [`PictureError`] when the disk does not take the last bytes.
-    pub fn finish(self) -> Result<(), PictureError> {
-        self.file.sync_all().map_err(|error| write_error(&self.path, error))
+    /// [`ExportError`] when the disk does not take the last bytes.
+    pub fn finish(self) -> Result<(), ExportError> {
+        self.file.sync_all().map_err(ExportError::io("write", &self.path))
     }
 
-    fn failed(&self, reason: String) -> PictureError {
-        PictureError::Encode { file: self.path.clone(), reason }
+    fn failed(&self, reason: String) -> ExportError {
+        ExportError::Encode { path: self.path.clone(), reason }
     }
 
     /// Writes what the encoder has made, with the end mark behind it, and steps back in front of

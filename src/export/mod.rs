@@ -10,12 +10,23 @@ pub mod png;
 pub mod summary;
 pub mod vtu;
 
-use std::io;
+use crate::io_reason::io_reason;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Why a file could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
+    /// The folder to write into does not exist.
+    #[error("cannot {action} `{}`: the folder `{}` does not exist; create it first", path.display(), folder.display())]
+    NoFolder {
+        /// What was tried.
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// Its folder.
+        folder: PathBuf,
+    },
     /// The operating system refused.
     #[error("cannot {action} `{}`: {}", path.display(), io_reason(source))]
     Io {
@@ -37,28 +48,17 @@ pub enum ExportError {
 }
 
 impl ExportError {
-    /// An [`ExportError::Io`], for `map_err`.
+    /// An [`ExportError::Io`], or [`ExportError::NoFolder`] if that is why; for `map_err`.
     pub fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
-        move |source| Self::Io { action, path, source }
+        move |source| match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            Some(folder) if source.kind() == io::ErrorKind::NotFound && !folder.is_dir() => {
+                let folder = folder.to_owned();
+                Self::NoFolder { action, path, folder }
+            }
+            _ => Self::Io { action, path, source },
+        }
     }
-}
-
-/// The reason in plain words, with what to do where that is clear.
-#[must_use]
-pub fn io_reason(error: &io::Error) -> String {
-    use io::ErrorKind as Kind;
-    let known = match error.kind() {
-        Kind::NotFound => "there is no such file or folder",
-        Kind::PermissionDenied => "permission denied; choose a place you may write to",
-        Kind::StorageFull => "the disk is full; free some space or choose another place",
-        Kind::QuotaExceeded => "your disk quota is used up; free some space",
-        Kind::ReadOnlyFilesystem => "the file system is read-only; choose another place",
-        Kind::NotADirectory => "a part of this path is a file, not a folder",
-        Kind::IsADirectory => "this is a folder, not a file",
-        _ => return error.to_string(),
-    };
-    known.to_owned()
 }
 
 /// Creates a folder and its parents.
@@ -74,13 +74,22 @@ pub fn create_folder(folder: &Path) -> Result<(), ExportError> {
 /// # Errors
 /// [`ExportError::Io`] when the system refuses; the old file then stays as it was.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), ExportError> {
+    if path.is_dir() {
+        return Err(ExportError::io("write", path)(io::ErrorKind::IsADirectory.into()));
+    }
     let partial = partial_name(path);
-    let written = std::fs::write(&partial, content).and_then(|()| std::fs::rename(&partial, path));
+    let written = write_through(&partial, content).and_then(|()| std::fs::rename(&partial, path));
     written.map_err(|source| {
         // Best effort: the write has failed already, and that is what must be told.
         let _ = std::fs::remove_file(&partial);
         ExportError::io("write", path)(source)
     })
+}
+
+fn write_through(path: &Path, content: &[u8]) -> io::Result<()> {
+    let mut file = std::fs::File::create(path)?;
+    file.write_all(content)?;
+    file.sync_all()
 }
 
 /// The temporary name beside `path` under which it is written until it is whole.
@@ -111,6 +120,6 @@ mod tests {
         let path = folder.path().join("missing").join("a.txt");
         let message = write_whole(&path, b"x").unwrap_err().to_string();
         assert!(message.contains("a.txt"), "{message}");
-        assert!(message.contains("no such file or folder"), "{message}");
+        assert!(message.contains("missing` does not exist; create it"), "{message}");
     }
 }

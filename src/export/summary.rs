@@ -54,6 +54,8 @@ pub struct Summary {
     pub contacts: Vec<ContactSummary>,
     /// Change of the energy balance between start and end, J: zero when all is well.
     pub energy_balance_error_j: f64,
+    /// Largest amount by which the energy balance of a row of `history.csv` differs from the first row's, J.
+    pub largest_energy_balance_error_j: f64,
     /// Wall time by phase.
     pub wall_time: WallTime,
     /// Simulated seconds per second of wall time; absent before the first step.
@@ -192,9 +194,17 @@ pub struct Tally {
     pub counts: Counts,
     /// Extremes.
     pub extremes: Extremes,
+    /// Largest amount by which the energy balance of a row differs from the first row's, J.
+    pub energy_error_j: f64,
 }
 
 impl Tally {
+    /// Takes one row of the history into account.
+    pub fn add_row(&mut self, initial: &Sample, row: &Sample) {
+        let error_j = (row.balance_j() - initial.balance_j()).abs();
+        self.energy_error_j = self.energy_error_j.max(error_j);
+    }
+
     /// Takes one step into account.
     pub fn add(&mut self, step: &StepReport) {
         self.counts.steps += 1;
@@ -324,6 +334,7 @@ impl Summary {
             last: initial.into(),
             contacts: Vec::new(),
             energy_balance_error_j: 0.0,
+            largest_energy_balance_error_j: 0.0,
             wall_time: WallTime::default(),
             real_time_factor: None,
         }
@@ -333,6 +344,7 @@ impl Summary {
     pub fn update(&mut self, initial: &Sample, last: &Sample, tally: &Tally, wall_time: WallTime) {
         self.last = last.into();
         self.energy_balance_error_j = last.balance_j() - initial.balance_j();
+        self.largest_energy_balance_error_j = tally.energy_error_j;
         self.counts = tally.counts;
         self.extremes = tally.extremes;
         self.wall_time = wall_time;
@@ -390,8 +402,12 @@ mod tests {
         let initial = Sample { kinetic_j: 5.0, ..Sample::default() };
         let last = Sample { strain_j: 4.0, external_work_j: 1.0, ..Sample::default() };
         let mut summary = Summary::new(SceneSummary::default(), &initial);
-        let tally = Tally::default();
+        let mut tally = Tally::default();
+        for kinetic_j in [5.0, 1.5, 6.0] {
+            tally.add_row(&initial, &Sample { kinetic_j, ..Sample::default() });
+        }
         summary.update(&initial, &last, &tally, WallTime::default());
         assert_eq!(summary.energy_balance_error_j, -2.0);
+        assert_eq!(summary.largest_energy_balance_error_j, 3.5);
     }
 }

@@ -24,8 +24,6 @@ const SHARING_ROUNDS: usize = 3;
 struct Sharing {
     /// Each node gives its elements mass in proportion to these.
     weights: Vec<f64>,
-    /// Their sum over the elements of each node.
-    weights_at_nodes: Vec<f64>,
     /// `lambda_max(M_e^-1 K_e)` of each element, 1/s2.
     eigenvalues: Vec<f64>,
     largest: f64,
@@ -61,34 +59,54 @@ impl ElementBatches {
         2.0 / self.best_sharing(node_masses_kg).largest.sqrt()
     }
 
-    /// Makes nodes heavier so that [`Self::stable_step_s`] becomes as long as it can with at most `max_share` (not
-    /// negative) of the mass added; `node_masses_kg` must be finite.
+    /// Makes nodes heavier so that the step becomes as long as it can with at most `max_share` (not negative) of
+    /// the mass added; `node_masses_kg` must be finite.
     ///
-    /// Mass goes where the shared bound is worst, in the proportions of the sharing, by [`scale_masses`].
+    /// To be stable at the step `h`, an element asks its corners for a mass that grows with `h^2`; a node that has what its
+    /// elements ask for together is left alone. So the neighbours of a sliver bear it as far as they can, and mass
+    /// is added only for the rest, by [`scale_masses`] over the nodes.
     #[must_use]
     pub fn scale_node_masses(&self, node_masses_kg: &[f64], max_share: f64) -> ScaledNodeMasses {
-        let sharing = self.best_sharing(node_masses_kg);
-        let part = |element: usize, node: u32| {
-            let node = node as usize;
-            node_masses_kg[node] * (sharing.weights[element] / sharing.weights_at_nodes[node])
-        };
-        let tets = || self.tets.iter().enumerate();
-        let masses_kg: Vec<f64> =
-            tets().map(|(element, tet)| tet.iter().map(|&node| part(element, node)).sum()).collect();
-        let steps_s: Vec<f64> = sharing.eigenvalues.iter().map(|x| 2.0 / x.sqrt()).collect();
-        let scaling = scale_masses(&steps_s, &masses_kg, max_share);
-        let mut scaled_kg = node_masses_kg.to_vec();
-        for (element, tet) in tets().filter(|&(element, _)| scaling.factors[element] > 1.0) {
-            for &node in tet {
-                scaled_kg[node as usize] += (scaling.factors[element] - 1.0) * part(element, node);
-            }
-        }
+        let asked = self.asked_masses_kg_s2();
+        let nodes = || node_masses_kg.iter().zip(&asked);
+        let steps_s: Vec<f64> = nodes()
+            .map(|(mass, &asked)| if asked > 0.0 { (mass / asked).sqrt() } else { f64::INFINITY })
+            .collect();
+        let scaling = scale_masses(&steps_s, node_masses_kg, max_share);
+        let scaled = node_masses_kg.iter().zip(&scaling.factors);
+        let scaled_kg: Vec<f64> = scaled.map(|(mass, factor)| mass * factor).collect();
+        let is_heavier = |tet: &&[u32; 4]| tet.iter().any(|&node| scaling.factors[node as usize] > 1.0);
         ScaledNodeMasses {
             step_s: scaling.step_s.max(self.stable_step_s(&scaled_kg)),
             node_masses_kg: scaled_kg,
             added_mass_kg: scaling.added_mass_kg,
-            heavier_elements: scaling.factors.iter().filter(|&&factor| factor > 1.0).count(),
+            heavier_elements: self.tets.iter().filter(is_heavier).count(),
         }
+    }
+
+    /// What the elements of each node ask of it together: mass over the squared step, kg/s2.
+    ///
+    /// An element may spread what it needs over its corners as it likes. In proportion to the lengths of the gradients, the
+    /// trace of its `G` is the smallest for the same mass.
+    fn asked_masses_kg_s2(&self) -> Vec<f64> {
+        let by_element = self.map_elements(|element, gradients_per_m| {
+            let constants = &self.constants[element];
+            let volume_m3 = self.masses_kg[element] / constants.density_kg_m3;
+            let lengths = gradients_per_m.map(DVec3::length);
+            let shares = lengths.map(|length| length / lengths.iter().sum::<f64>());
+            let parts = gradients_per_m.iter().zip(shares);
+            let gram = parts.fold(DMat3::ZERO, |sum, (&g, share)| sum + outer(g) * share.recip());
+            // omega^2 = V_0 Lambda(gram) / mass <= 4 / h^2
+            let asked = 0.25 * volume_m3 * stiffness_eigenvalue(&gram, constants);
+            shares.map(|share| share * asked)
+        });
+        let mut at_nodes = vec![0.0; self.node_count()];
+        for (tet, asked) in self.tets.iter().zip(by_element) {
+            for (&node, asked) in tet.iter().zip(asked) {
+                at_nodes[node as usize] += asked;
+            }
+        }
+        at_nodes
     }
 
     /// The sharing with the lowest largest eigenvalue among those tried.
@@ -124,12 +142,7 @@ impl ElementBatches {
             let volume_m3 = self.masses_kg[element] / constants.density_kg_m3;
             volume_m3 * stiffness_eigenvalue(&gram, constants)
         });
-        Sharing {
-            largest: eigenvalues.iter().copied().fold(0.0, f64::max),
-            weights,
-            weights_at_nodes,
-            eigenvalues,
-        }
+        Sharing { largest: eigenvalues.iter().copied().fold(0.0, f64::max), weights, eigenvalues }
     }
 
     /// By how much the stable step shrinks, at most, when a `green` body is deformed: a factor in (0, 1] for

@@ -97,8 +97,9 @@ impl Framing {
     #[must_use]
     pub fn floor(&self) -> Option<Floor> {
         let ground = self.fixed.iter().filter(|body| self.is_ground(body));
-        let highest = ground.max_by(|a, b| a.bounds.1.z.total_cmp(&b.bounds.1.z));
-        if let Some(body) = highest {
+        // A plinth or a mat that happens to lie under everything stands on the ground itself.
+        let lowest = ground.min_by(|a, b| a.bounds.1.z.total_cmp(&b.bounds.1.z));
+        if let Some(body) = lowest {
             return Some(Floor { height_m: body.bounds.1.z, replaces: Some(body.index) });
         }
         // Nothing moving really stands on this floor, so it leaves a gap.
@@ -190,21 +191,26 @@ fn fixed_bodies(frame: &Frame) -> Vec<FixedBody> {
         .collect()
 }
 
-/// Whether the body's top is level and as large as the body: its upward faces at the greatest
-/// height cover the footprint.
+/// Whether the body's top and underside are level and as large as the body: the faces at its greatest and
+/// its smallest height cover the footprint. A table, whose legs leave air below, is no slab.
 fn is_level_slab(body: &BodyFrame, (low, high): Bounds) -> bool {
     let tolerance = 1e-4 * longest_side((low, high));
     let at = |corner: u32| body.positions_m.get(corner as usize).map(|p| Vec3::from(*p));
-    let mut covered_m2 = 0.0;
+    let (mut top_m2, mut underside_m2) = (0.0, 0.0);
     for triangle in &body.surface.triangles {
         let [Some(a), Some(b), Some(c)] = triangle.map(at) else {
             return false;
         };
+        let upward_m2 = 0.5 * (b - a).cross(c - a).z;
         if a.z.min(b.z).min(c.z) > high.z - tolerance {
-            covered_m2 += (0.5 * (b - a).cross(c - a).z).max(0.0);
+            top_m2 += upward_m2.max(0.0);
+        }
+        if a.z.max(b.z).max(c.z) < low.z + tolerance {
+            underside_m2 += (-upward_m2).max(0.0);
         }
     }
     let size = high - low;
+    let covered_m2 = f32::min(top_m2, underside_m2);
     covered_m2 > 0.0 && covered_m2 > 0.95 * size.x * size.y
 }
 
@@ -272,6 +278,21 @@ mod tests {
         let cube = slab(BodyRole::Deformable, Vec3::splat(-0.5), Vec3::splat(1.5));
         let floor = Framing::of(&frame(vec![anvil, cube])).floor().unwrap();
         assert_eq!((floor.height_m, floor.replaces), (-0.7, None));
+    }
+
+    #[test]
+    fn what_stands_on_the_ground_is_no_floor() {
+        let ground = slab(BodyRole::Fixed, Vec3::new(-5.0, -5.0, -0.2), Vec3::new(5.0, 5.0, 0.0));
+        let plinth = slab(BodyRole::Fixed, Vec3::new(-2.0, -2.0, 0.0), Vec3::new(2.0, 2.0, 0.4));
+        let cube = slab(BodyRole::Deformable, Vec3::splat(0.5), Vec3::splat(1.5));
+        let floor = Framing::of(&frame(vec![plinth.clone(), ground, cube.clone()])).floor().unwrap();
+        assert_eq!((floor.height_m, floor.replaces), (0.0, Some(1)));
+        // Nothing but legs below: the top alone.
+        let mut table = plinth;
+        let surface = Arc::make_mut(&mut table.surface);
+        surface.triangles.retain(|triangle| triangle.iter().all(|corner| *corner >= 4));
+        let floor = Framing::of(&frame(vec![table, cube])).floor().unwrap();
+        assert_eq!((floor.height_m, floor.replaces), (0.0, None));
     }
 
     #[test]

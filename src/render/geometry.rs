@@ -1,9 +1,8 @@
 //! From a frame to triangles with normals and colours, ready for the GPU.
 
-use crate::frame::{BodyFrame, BodyRole, Frame, SurfaceTopology};
+use crate::frame::{BodyFrame, BodyRole, ColorBy, Frame, SurfaceTopology};
 use crate::render::color_map::{body_srgb, to_byte};
 use crate::render::range::Range;
-use crate::render::view::ColorBy;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -61,7 +61,7 @@ pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};
 pub use off_screen::{OffScreen, Picture};
 pub use range::{Range, short, si_prefix, with_unit};
 pub use renderer::{Renderer, Target};
-pub use view::{Background, Caption, ColorBy, Ground, UnknownColorBy, View};
+pub use view::{Background, Caption, Ground, View};
 
 #[cfg(test)]
 mod tests {

@@ -1,10 +1,11 @@
 //! Text over the picture: legend and caption, drawn with egui's fonts, without a window.
 
+use crate::frame::ColorBy;
 use crate::render::color_map::ColorMap;
 use crate::render::gpu::Gpu;
 use crate::render::range::{Range, short, si_prefix, with_unit};
 use crate::render::theme::Theme;
-use crate::render::view::{Caption, ColorBy, View};
+use crate::render::view::{Caption, View};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// Free space around the texts, points.

@@ -1,7 +1,6 @@
 //! The range of values that a colour map covers, and numbers with units.
 
-use crate::frame::Frame;
-use crate::render::view::ColorBy;
+use crate::frame::{ColorBy, Frame};
 
 /// Values at the two ends of the colour map.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 //! Lengths are metres, times seconds, angles radians, axes the world's with z up, unless a field says
 //! otherwise. What the simulation takes as it stands ([`Material`], [`BodyMotion`], ...) is used here too.
 
+use crate::frame::ColorBy;
 use crate::sim::{BodyMotion, BoundaryAction, ContactMethod, Material, TimeParameters};
 use glam::{DQuat, DVec3};
 
@@ -258,46 +259,4 @@ pub struct Recording {
     pub camera: Option<String>,
     /// Time between rows of the history, s; 0 for every step.
     pub history_every_s: f64,
-}
-
-/// What surfaces are coloured by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ColorBy {
-    /// The colours of the materials and bodies.
-    #[default]
-    Material,
-    /// Each body in its own colour.
-    Body,
-    /// Speed.
-    Speed,
-    /// Distance from the rigidly moved shape.
-    Displacement,
-    /// Von Mises stress.
-    VonMises,
-    /// Largest principal stress.
-    MaxPrincipal,
-    /// Smallest principal stress.
-    MinPrincipal,
-    /// Mean stress.
-    MeanStress,
-}
-
-impl ColorBy {
-    /// All of them with their names in scenes and on the command line.
-    pub const NAMED: [(&'static str, Self); 8] = [
-        ("material", Self::Material),
-        ("body", Self::Body),
-        ("speed", Self::Speed),
-        ("displacement", Self::Displacement),
-        ("von-mises", Self::VonMises),
-        ("max-principal", Self::MaxPrincipal),
-        ("min-principal", Self::MinPrincipal),
-        ("mean-stress", Self::MeanStress),
-    ];
-
-    /// Name in scenes and on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Self::NAMED.iter().find(|(_, value)| *value == self).map_or("material", |(name, _)| name)
-    }
 }

@@ -52,8 +52,8 @@ pub struct Scene {
     pub description: SceneDescription,
     /// What the simulation starts from.
     pub setup: WorldSetup,
-    /// Size and cost.
-    pub summary: SceneSummary,
+    /// What reading mesh files had to say: (body, note).
+    pub notes: Vec<(String, String)>,
     document: SceneDocument,
     folder: PathBuf,
 }
@@ -140,9 +140,9 @@ impl Scene {
         })?;
         Ok(Self {
             name: short_name(document.label()),
-            summary: SceneSummary::of(&description.title, description.duration_s, &built.setup, built.notes),
             description,
             setup: built.setup,
+            notes: built.notes,
             document,
             folder: folder.to_owned(),
         })

@@ -1,5 +1,6 @@
 //! What can be wrong with a scene, and how it is told.
 
+use crate::io_reason::io_reason;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -40,7 +41,7 @@ pub enum SceneError {
         hint: String,
     },
     /// The file cannot be read.
-    #[error("cannot read the scene file {}: {source}", path.display())]
+    #[error("cannot read the scene file `{}`: {}", path.display(), io_reason(source))]
     Unreadable {
         /// The file.
         path: PathBuf,

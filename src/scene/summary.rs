@@ -1,7 +1,7 @@
 //! What a scene would cost, before it is run.
 
-use crate::mesh::ElementShape;
-use crate::sim::{BodyMotion, BodySetup, Material, WorldSetup};
+use super::Scene;
+use crate::sim::World;
 use std::fmt;
 
 /// Size and cost of a scene.
@@ -26,16 +26,26 @@ pub struct BodySummary {
     pub elements: usize,
     /// Nodes.
     pub nodes: usize,
-    /// Mass, kg.
+    /// Mass without what mass scaling added, kg.
     pub mass_kg: f64,
-    /// Estimate of the elastic step at the scene's cfl, s: smallest altitude over the speed of
-    /// pressure waves. Infinite for bodies that do not deform.
+    /// Elastic step at the scene's cfl, s. Infinite for bodies that do not deform.
     pub step_s: f64,
-    /// Mass that mass scaling adds for that step, kg.
+    /// Mass that mass scaling added for that step, kg.
     pub added_mass_kg: f64,
 }
 
 impl SceneSummary {
+    /// The summary of a scene and the world built from it.
+    #[must_use]
+    pub fn of(scene: &Scene, world: &World) -> Self {
+        Self {
+            title: scene.description.title.clone(),
+            duration_s: scene.description.duration_s,
+            bodies: (0..world.body_count()).map(|index| summary_of(world, index)).collect(),
+            notes: scene.notes.clone(),
+        }
+    }
+
     /// Tetrahedra of all bodies.
     #[must_use]
     pub fn elements(&self) -> usize {
@@ -55,80 +65,26 @@ impl SceneSummary {
         steps.fold(f64::INFINITY, f64::min)
     }
 
-    /// Elastic steps at most: as many as if nothing ever moved freely or rested.
+    /// Elastic steps at most: as many as if nothing ever moved freely or rested, and nothing were strained so much that
+    /// its step has to shrink.
     #[must_use]
     pub fn steps_at_most(&self) -> f64 {
         (self.duration_s / self.step_s()).ceil()
     }
-
-    pub(super) fn of(title: &str, duration_s: f64, setup: &WorldSetup, notes: Vec<(String, String)>) -> Self {
-        let (cfl, max_step_s) = (setup.time.cfl, setup.time.max_step_s);
-        let bodies = setup.bodies.iter();
-        Self {
-            title: title.to_owned(),
-            duration_s,
-            bodies: bodies.map(|body| summary_of(body, cfl, max_step_s)).collect(),
-            notes,
-        }
-    }
 }
 
-fn summary_of(body: &BodySetup, cfl: f64, max_step_s: f64) -> BodySummary {
-    let elements: Vec<(f64, f64)> =
-        (0..body.mesh.tets.len()).map(|element| mass_and_step(body, element)).collect();
-    let mass_kg: f64 = elements.iter().map(|(mass, _)| mass).sum();
-    let budget_kg = body.mass_scaling_max_share * mass_kg;
-    let (step_s, added_mass_kg) = match body.motion {
-        BodyMotion::Deformable(_) => scaled_step(elements, budget_kg),
-        _ => (f64::INFINITY, 0.0),
-    };
+fn summary_of(world: &World, index: usize) -> BodySummary {
+    let time = &world.setup().time;
+    let step_s = time.cfl * world.stable_step_s(index);
+    let added_mass_kg = world.mass_scaling(index).added_kg;
     BodySummary {
-        name: body.name.clone(),
-        elements: body.mesh.tets.len(),
-        nodes: body.mesh.nodes_m.len(),
-        mass_kg,
-        step_s: (cfl * step_s).min(if step_s.is_finite() { max_step_s } else { step_s }),
+        name: world.setup().bodies[index].name.clone(),
+        elements: world.tets(index).len(),
+        nodes: world.reference_positions_m(index).len(),
+        mass_kg: world.mass_kg(index) - added_mass_kg,
+        step_s: if step_s.is_finite() { step_s.min(time.max_step_s) } else { step_s },
         added_mass_kg,
     }
-}
-
-/// Mass, kg, and stable step, s, of an element: smallest altitude over the speed of pressure waves.
-fn mass_and_step(body: &BodySetup, element: usize) -> (f64, f64) {
-    let shape = ElementShape::of(&body.mesh.corners_m(element));
-    let material = &body.materials[body.element_material[element] as usize];
-    let mass_kg = material.density_kg_m3 * shape.volume_m3.abs();
-    (mass_kg, shape.min_altitude_m / pressure_wave_speed_m_s(material))
-}
-
-/// c_p = sqrt((lambda + 2 mu) / rho).
-fn pressure_wave_speed_m_s(material: &Material) -> f64 {
-    let nu = material.poisson_ratio;
-    let modulus_pa = material.youngs_modulus_pa * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
-    (modulus_pa / material.density_kg_m3).sqrt()
-}
-
-/// The longest step that adding at most `budget_kg` to the worst elements allows, and what it adds.
-/// An element of mass m and step h needs m ((H/h)^2 - 1) more mass to be stable at the step H.
-fn scaled_step(mut elements: Vec<(f64, f64)>, budget_kg: f64) -> (f64, f64) {
-    elements.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut step_s = elements.first().map_or(f64::INFINITY, |&(_, step)| step);
-    let (mut mass_kg, mut mass_over_step2, mut added_kg) = (0.0, 0.0, 0.0);
-    if budget_kg <= 0.0 {
-        return (step_s, 0.0);
-    }
-    for (index, &(mass, step)) in elements.iter().enumerate() {
-        mass_kg += mass;
-        mass_over_step2 += mass / (step * step);
-        let next_s = elements.get(index + 1).map_or(step, |&(_, next)| next);
-        // Added mass at the step H is H^2 sum(m/h^2) - sum(m).
-        let affordable_s = ((budget_kg + mass_kg) / mass_over_step2).sqrt();
-        step_s = affordable_s.min(next_s).max(step_s);
-        added_kg = (step_s * step_s * mass_over_step2 - mass_kg).max(0.0);
-        if affordable_s < next_s {
-            break;
-        }
-    }
-    (step_s, added_kg)
 }
 
 impl fmt::Display for SceneSummary {
@@ -142,8 +98,7 @@ impl fmt::Display for SceneSummary {
         if self.step_s().is_finite() {
             writeln!(
                 f,
-                "  elastic step about {:.2e} s; {} s need at most {} of them (fewer while bodies \
-                 move freely or rest)",
+                "  elastic step {:.2e} s; {} s need {} of them if something deforms all the time",
                 self.step_s(),
                 self.duration_s,
                 thousands(self.steps_at_most())
@@ -166,7 +121,7 @@ impl fmt::Display for BodySummary {
         }
         if self.added_mass_kg > 0.0 {
             let percent = 100.0 * self.added_mass_kg / self.mass_kg;
-            write!(f, ", mass scaling adds about {percent:.2} % of it")?;
+            write!(f, ", mass scaling adds {percent:.2} % of it")?;
         }
         Ok(())
     }
@@ -185,15 +140,6 @@ fn thousands(count: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn mass_scaling_spends_its_budget_on_the_worst_elements() {
-        let elements = vec![(1.0, 1.0), (1.0, 4.0), (8.0, 4.0)];
-        let (step, added) = scaled_step(elements.clone(), 3.0);
-        assert!((step - 2.0).abs() < 1e-12 && (added - 3.0).abs() < 1e-12);
-        let (step, added) = scaled_step(elements, 0.0);
-        assert_eq!((step, added), (1.0, 0.0));
-    }
 
     #[test]
     fn counts_are_grouped() {

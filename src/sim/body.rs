@@ -421,19 +421,21 @@ fn build_elasticity(setup: &BodySetup) -> Result<(Option<Elasticity>, Vec<f64>),
     Ok((Some(elasticity), mass_kg))
 }
 
+/// Lumped masses, and what scaling them up to `max_share` of the body's mass did.
 fn scale_masses(elements: &ElementBatches, max_share: f64) -> (Vec<f64>, MassScaling) {
     let mass_kg = elements.lumped_masses_kg(None);
     let step_before_s = elements.stable_step_s(&mass_kg);
-    let mut report = MassScaling { step_before_s, step_after_s: step_before_s, ..MassScaling::default() };
     if max_share <= 0.0 {
-        return (mass_kg, report);
+        let none = MassScaling { step_before_s, step_after_s: step_before_s, ..MassScaling::default() };
+        return (mass_kg, none);
     }
-    let own_kg = elements.element_masses_kg();
-    let scaled = crate::fem::scale_masses(elements.element_stable_steps_s(), own_kg, max_share);
-    let scaled_kg = elements.lumped_masses_kg(Some(&scaled.factors));
-    report.added_kg = scaled.added_mass_kg;
-    report.added_share = scaled.added_mass_kg / own_kg.iter().sum::<f64>();
-    report.elements = scaled.factors.iter().filter(|f| **f > 1.0).count();
-    report.step_after_s = elements.stable_step_s(&scaled_kg);
-    (scaled_kg, report)
+    let scaled = elements.scale_node_masses(&mass_kg, max_share);
+    let report = MassScaling {
+        added_kg: scaled.added_mass_kg,
+        added_share: scaled.added_mass_kg / mass_kg.iter().sum::<f64>(),
+        elements: scaled.heavier_elements,
+        step_before_s,
+        step_after_s: scaled.step_s,
+    };
+    (scaled.node_masses_kg, report)
 }

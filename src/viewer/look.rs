@@ -3,8 +3,8 @@
 use super::orbit::{self, MouseInput};
 use super::scene_camera::opening_camera;
 use super::session::Snapshot;
-use crate::frame::Frame;
-use crate::render::{Background, Camera, ColorBy, Framing, Ground, NamedView, Range, View};
+use crate::frame::{ColorBy, Frame};
+use crate::render::{Background, Camera, Framing, Ground, NamedView, Range, View};
 
 /// What the user chose about the picture, and what was derived from the scene for it.
 #[derive(Clone, Debug)]

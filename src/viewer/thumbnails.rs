@@ -1,7 +1,7 @@
 //! Pictures of the built-in scenes for the gallery: made from the scenes themselves, in the background.
 
 use super::scene_camera::opening_camera;
-use crate::frame::Frame;
+use crate::frame::{ColorBy, Frame};
 use crate::render::{Background, Camera, Framing, Ground, View};
 use crate::scene::{BUILTIN_SCENES, Scene};
 use crate::sim::World;
@@ -21,7 +21,7 @@ pub struct Sketch {
     /// From where it is seen.
     pub camera: Camera,
     ground: Ground,
-    color_by: crate::render::ColorBy,
+    color_by: ColorBy,
 }
 
 impl Sketch {
@@ -93,7 +93,7 @@ fn sketch(index: usize) -> Option<Sketch> {
         scene: index,
         camera: opening_camera(&scene.description, &framing, aspect),
         ground: framing.floor().map_or(Ground::Hidden, Ground::At),
-        color_by: crate::render::ColorBy::Material,
+        color_by: ColorBy::Material,
         frame,
     })
 }

@@ -1,8 +1,9 @@
 //! PNG and GIF files come back as they were, and faults are told in plain words. No device is
 //! needed here.
 
+use hammerfall::export::ExportError;
 use hammerfall::export::gif::GifWriter;
-use hammerfall::export::png::{PictureError, write_png};
+use hammerfall::export::png::write_png;
 use hammerfall::render::Picture;
 use std::fs;
 use std::path::Path;
@@ -140,20 +141,20 @@ fn missing_folder_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("no/such/a.png");
     let error = write_png(&path, &picture(0)).unwrap_err();
-    assert!(matches!(error, PictureError::NoFolder { .. }), "{error}");
+    assert!(matches!(error, ExportError::NoFolder { .. }), "{error}");
     assert!(error.to_string().contains("no/such"), "{error}");
     let error = match GifWriter::create(&path, SIZE, 25.0, &[]) {
         Ok(_) => panic!("wrote into a missing folder"),
         Err(error) => error,
     };
-    assert!(matches!(error, PictureError::NoFolder { .. }), "{error}");
+    assert!(matches!(error, ExportError::NoFolder { .. }), "{error}");
 }
 
 #[test]
 fn folder_in_the_way_and_wrong_pixels_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let error = write_png(folder.path(), &picture(0)).unwrap_err();
-    assert!(error.to_string().contains("a folder of that name"), "{error}");
+    assert!(error.to_string().contains("is a folder, not a file"), "{error}");
     let short = Picture { rgba: vec![0; 7], ..picture(0) };
     let error = write_png(&folder.path().join("a.png"), &short).unwrap_err();
     assert!(error.to_string().contains("7 bytes"), "{error}");

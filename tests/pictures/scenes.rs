@@ -3,9 +3,9 @@
 use crate::compare::{assert_like_stored, screen};
 use crate::shapes::{ball, block, colored, fixed, frame, ground, hammer, turned};
 use glam::{Quat, Vec2, Vec3};
-use hammerfall::frame::{BodyFrame, Frame, VertexFields};
+use hammerfall::frame::{BodyFrame, ColorBy, Frame, VertexFields};
 use hammerfall::render::{
-    Background, Camera, Caption, ColorBy, Floor, Framing, Ground, NamedView, OffScreen, Picture, View,
+    Background, Camera, Caption, Floor, Framing, Ground, NamedView, OffScreen, Picture, View,
 };
 use std::sync::Arc;
 

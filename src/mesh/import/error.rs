@@ -1,5 +1,6 @@
 //! Why a mesh file was refused.
 
+use crate::io_reason::io_reason;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -56,7 +57,7 @@ impl fmt::Display for Place {
 #[derive(Debug, thiserror::Error)]
 pub enum Problem {
     /// The file cannot be opened or read.
-    #[error("{0}")]
+    #[error("{}", io_reason(.0))]
     Io(#[from] std::io::Error),
     /// Not a plain file, or too large.
     #[error("{0}")]

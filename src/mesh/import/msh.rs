@@ -71,8 +71,23 @@ fn read_byte_order(cursor: &mut Cursor<'_>) -> Read<()> {
     Ok(())
 }
 
+/// Takes all sections to `read`, by name; where it gives `false` the section is of no use and skipped.
+pub(super) fn sections<'a>(
+    cursor: &mut Cursor<'a>,
+    mut read: impl FnMut(&mut Cursor<'a>, &str) -> Read<bool>,
+) -> Read<()> {
+    while let Some(name) = next_section(cursor)? {
+        if read(cursor, &name)? {
+            end_section(cursor, &name)?;
+        } else {
+            skip_section(cursor, &name)?;
+        }
+    }
+    Ok(())
+}
+
 /// The next section's name with its `$`, or `None` at the end of the file.
-pub(super) fn next_section(cursor: &mut Cursor<'_>) -> Read<Option<String>> {
+fn next_section(cursor: &mut Cursor<'_>) -> Read<Option<String>> {
     cursor.leave();
     if cursor.peek_word().is_none() {
         return Ok(None);
@@ -87,7 +102,7 @@ pub(super) fn next_section(cursor: &mut Cursor<'_>) -> Read<Option<String>> {
 }
 
 /// Takes the `$End...` of a section.
-pub(super) fn end_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
+fn end_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
     const WANTED: &str = "the end of the section";
     cursor.all_items_read();
     let word = cursor.word(WANTED)?;
@@ -99,7 +114,7 @@ pub(super) fn end_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
 }
 
 /// Skips a section that is of no use.
-pub(super) fn skip_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
+fn skip_section(cursor: &mut Cursor<'_>, name: &str) -> Read<()> {
     let end = format!("$End{}", name.trim_start_matches('$'));
     if cursor.skip_past(end.as_bytes()) {
         Ok(())

@@ -2,24 +2,21 @@
 
 use super::cells::{self, CellType};
 use super::cursor::{Cursor, Read};
-use super::msh::{PhysicalNames, Regions, end_section, next_section, skip_section};
+use super::msh::{PhysicalNames, Regions, sections};
 use super::raw::RawMesh;
 
 /// Reads everything behind `$MeshFormat`.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Read<RawMesh> {
     let mut reader = Reader::default();
-    while let Some(section) = next_section(cursor)? {
-        match section.as_str() {
+    sections(cursor, |cursor, name| {
+        match name {
             "$PhysicalNames" => reader.names = PhysicalNames::read(cursor)?,
             "$Nodes" => reader.read_nodes(cursor)?,
             "$Elements" => reader.read_elements(cursor)?,
-            other => {
-                skip_section(cursor, other)?;
-                continue;
-            }
+            _ => return Ok(false),
         }
-        end_section(cursor, &section)?;
-    }
+        Ok(true)
+    })?;
     let Reader { mut raw, names, regions } = reader;
     regions.name(&mut raw, |(physical, entity)| names.region_name(physical, entity))?;
     Ok(raw)

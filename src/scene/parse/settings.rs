@@ -1,9 +1,10 @@
 //! Contact, time, cameras and recording.
 
-use super::super::description::{Camera, ColorBy, Contact, Eye, Recording};
+use super::super::description::{Camera, Contact, Eye, Recording};
 use super::super::quantity::Quantity;
 use super::super::reader::Table;
 use super::{check_name, read_friction};
+use crate::frame::ColorBy;
 use crate::sim::{ContactMethod, ContactParameters, TimeParameters};
 
 pub(super) fn read_contact(mut table: Table) -> Contact {
@@ -106,7 +107,9 @@ pub(super) fn read_recording(mut table: Table, duration_s: f64) -> Recording {
         slow_motion: slow_motion.unwrap_or(1.0),
         start_s: table.number("start", seconds).unwrap_or(0.0),
         size_px: size.map_or([960, 540], |size| [size[0] as u32, size[1] as u32].map(|n| n.max(1))),
-        color_by: table.choice("color_by", &ColorBy::NAMED).unwrap_or_default(),
+        color_by: table
+            .choice("color_by", &ColorBy::ALL.map(|choice| (choice.name(), choice)))
+            .unwrap_or_default(),
         camera: table.text("camera"),
         history_every_s: history_every.unwrap_or(duration_s / 500.0),
     }

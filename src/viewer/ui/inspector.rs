@@ -1,7 +1,8 @@
 //! The panel at the right: what is shown, and the plots.
 
 use super::{Action, plots, widgets};
-use crate::render::{ColorBy, NamedView};
+use crate::frame::ColorBy;
+use crate::render::NamedView;
 use crate::viewer::app::App;
 use egui::{ComboBox, Ui};
 
