@@ -70,13 +70,17 @@ impl CollisionList {
         same.into_iter().any(|h| h.1.dot(normal) > SAME_SIDE)
     }
 
-    /// Gives every store of an impact to a pair (see [`ImpactStores::hand_over`]), and every pair that pressed in
-    /// the last step its impulse of then, as a first guess.
-    pub fn hand_over(&self, constraints: &mut [Constraint]) {
-        self.stores.hand_over(constraints);
+    /// Gives every pair that pressed in the last step its impulse of then, as a first guess.
+    pub fn recall_impulses(&self, constraints: &mut [Constraint]) {
         for c in constraints {
             c.impulse_n_s = self.last_impulse_n_s(c).unwrap_or_default();
         }
+    }
+
+    /// What impacts have stored.
+    #[must_use]
+    pub fn stores(&self) -> &ImpactStores {
+        &self.stores
     }
 
     fn last_impulse_n_s(&self, c: &Constraint) -> Option<DVec3> {
@@ -93,12 +97,6 @@ impl CollisionList {
                 Some(self.held_edges[at].1)
             }
         }
-    }
-
-    /// Energy that impacts have stored, J.
-    #[must_use]
-    pub fn stored_j(&self) -> f64 {
-        self.stores.energy_j()
     }
 
     /// Whether the two edges pressed.

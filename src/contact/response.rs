@@ -23,6 +23,8 @@ const PENETRATION_LEFT: f64 = 1e-4;
 /// Compliance of redundant pairs over their block.
 const SOFTNESS: f64 = 0.25;
 
+/// Pairs that say nearly the same settle more slowly than the passes asked for allow: they get this many times as many.
+const PATIENCE: u32 = 8;
 /// Share of the squared shortfalls that the last step's pattern of impulses may leave.
 const GOOD_START: f64 = 0.1;
 /// Blows are aimed higher than the rebound, since pairs that open one after the other need more speed
@@ -62,7 +64,7 @@ impl ContactNode {
 pub struct ResponseParameters {
     /// Length of the step, s.
     pub step_s: f64,
-    /// Gauss-Seidel passes at most, unless a penetration is left.
+    /// Gauss-Seidel passes that should do; more are taken while the multipliers still change or a penetration is left.
     pub passes: u32,
     /// Relative change of the multipliers at which the passes stop.
     pub tolerance: f64,
@@ -185,9 +187,9 @@ pub fn sort_by_place(constraints: &mut [Constraint]) {
 
 /// Solves the constraints: sets their impulses, what they have stored, and the velocities in the table.
 ///
-/// A pass goes forth and back over the pairs. Passes are conjugate to each other (Silcowitz, Niebe, Erleben,
-/// VRIPHYS 2009; Zywicz and Puso accelerate in the same way), and start from impulses that would be exact
-/// if all pairs needed the same.
+/// A pass goes forth and back over the pairs. Passes learn from each other (Anderson acceleration, which amounts to
+/// conjugate gradients while no pair opens or slips; Zywicz and Puso, IJNME 44, 1999, accelerate in that way), and start from
+/// the impulses of the last step or, at an impact, from such as would be exact if all pairs needed the same.
 pub fn solve(
     constraints: &mut [Constraint],
     table: &mut NodeTable,
@@ -219,13 +221,13 @@ fn settle(
     (p, most_passes): (&ResponseParameters, u32),
 ) -> ResponseReport {
     let mut report = ResponseReport::default();
-    let mut memory = Conjugate::default();
+    let mut memory = Anderson::default();
     while report.passes < most_passes {
         report.last_change = one_pass(rows, constraints, table, &mut memory);
         report.passes += 1;
         let is_settled = report.last_change < p.tolerance;
-        let is_time = is_settled || report.passes >= p.passes;
-        if is_time && (report.last_change < 1e-12 || !penetrates(rows, constraints, table, p.step_s)) {
+        let is_time = report.passes >= p.passes * PATIENCE;
+        if (is_settled || is_time) && (report.last_change < 1e-12 || !penetrates(rows, constraints, table, p.step_s)) {
             break;
         }
     }
@@ -416,11 +418,17 @@ fn start_evenly(rows: &[PairRow], constraints: &mut [Constraint], table: &mut No
     }
 }
 
-/// What one pass leaves for the next.
+/// Changes of how many passes are remembered.
+const DEPTH: usize = 4;
+
+/// What the passes so far tell about the next ones (D. G. Anderson, J. ACM 12, 1965): how their changes depend on the
+/// impulses they started from.
 #[derive(Default)]
-struct Conjugate {
-    direction: Vec<DVec3>,
-    last_norm2: f64,
+struct Anderson {
+    /// Impulses after the last pass, and its change.
+    last: Option<(Vec<DVec3>, Vec<DVec3>)>,
+    /// Orthonormal differences of changes, and the differences of impulses that belong to them.
+    differences: Vec<(Vec<DVec3>, Vec<DVec3>)>,
 }
 
 /// One pass over the pairs; returns the largest change over the largest multiplier.
@@ -428,48 +436,75 @@ fn one_pass(
     rows: &[PairRow],
     constraints: &mut [Constraint],
     table: &mut NodeTable,
-    memory: &mut Conjugate,
+    memory: &mut Anderson,
 ) -> f64 {
     let before: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
     for row in rows.iter().chain(rows.iter().rev()) {
         row.relax(&mut constraints[row.index], table);
     }
-    let change: Vec<DVec3> =
-        rows.iter().zip(&before).map(|(r, old)| constraints[r.index].impulse_n_s - *old).collect();
-    memory.accelerate(rows, constraints, table, &change);
-    let largest = |it: &mut dyn Iterator<Item = DVec3>| it.map(|x| x.length()).fold(0.0, f64::max);
-    let largest_change = largest(&mut change.iter().copied());
-    let largest_impulse = largest(&mut rows.iter().map(|r| constraints[r.index].impulse_n_s));
+    let after: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
+    let change: Vec<DVec3> = after.iter().zip(&before).map(|(new, old)| *new - *old).collect();
+    let largest = |it: &[DVec3]| it.iter().map(|x| x.length()).fold(0.0, f64::max);
+    let (largest_change, largest_impulse) = (largest(&change), largest(&after));
+    memory.accelerate(rows, constraints, table, (after, change));
     if largest_impulse > 0.0 { largest_change / largest_impulse } else { 0.0 }
 }
 
-impl Conjugate {
-    /// Goes on along the last direction as far as a conjugate gradient method would; a pair whose impulse would
+impl Anderson {
+    /// Goes to where the passes so far promise the smallest change; a pair whose impulse would
     /// pull or leave the friction cone stays, and the next pass sets right what is left.
     fn accelerate(
         &mut self,
         rows: &[PairRow],
         constraints: &mut [Constraint],
         table: &mut NodeTable,
-        change: &[DVec3],
+        (impulses, change): (Vec<DVec3>, Vec<DVec3>),
     ) {
-        let norm2: f64 = change.iter().map(|d| d.length_squared()).sum();
-        let beta = if self.last_norm2 > 0.0 { norm2 / self.last_norm2 } else { 0.0 };
-        self.last_norm2 = norm2;
-        if self.direction.is_empty() || beta >= 1.0 {
-            self.direction = change.to_vec();
-            return;
+        if let Some((last_impulses, last_change)) = self.last.take() {
+            self.learn(difference(&impulses, &last_impulses), difference(&change, &last_change));
         }
-        for ((row, direction), change) in rows.iter().zip(&mut self.direction).zip(change) {
+        let mut further = vec![DVec3::ZERO; rows.len()];
+        for (of_change, of_impulses) in &self.differences {
+            let share = dot(of_change, &change);
+            further.iter_mut().zip(of_impulses).for_each(|(f, d)| *f -= *d * share);
+        }
+        for (row, further) in rows.iter().zip(&further) {
             let c = &mut constraints[row.index];
-            let further = *direction * beta;
-            if further != DVec3::ZERO && c.allows(c.impulse_n_s + further) {
-                c.impulse_n_s += further;
-                table.apply(row.index, &c.weights, further);
+            if *further != DVec3::ZERO && c.allows(c.impulse_n_s + *further) {
+                c.impulse_n_s += *further;
+                table.apply(row.index, &c.weights, *further);
             }
-            *direction = further + *change;
+        }
+        self.last = Some((impulses, change));
+    }
+
+    /// Adds a pair of differences, made orthogonal to the ones before.
+    fn learn(&mut self, mut of_impulses: Vec<DVec3>, mut of_change: Vec<DVec3>) {
+        if self.differences.len() >= DEPTH {
+            self.differences.clear();
+        }
+        let length = dot(&of_change, &of_change).sqrt();
+        for (known, its_impulses) in &self.differences {
+            let share = dot(known, &of_change);
+            of_change.iter_mut().zip(known).for_each(|(d, k)| *d -= *k * share);
+            of_impulses.iter_mut().zip(its_impulses).for_each(|(d, k)| *d -= *k * share);
+        }
+        let left = dot(&of_change, &of_change).sqrt();
+        // What is left of a difference that says nothing new is round-off.
+        if left > 1e-6 * length {
+            of_change.iter_mut().for_each(|d| *d /= left);
+            of_impulses.iter_mut().for_each(|d| *d /= left);
+            self.differences.push((of_change, of_impulses));
         }
     }
+}
+
+fn difference(a: &[DVec3], b: &[DVec3]) -> Vec<DVec3> {
+    a.iter().zip(b).map(|(a, b)| *a - *b).collect()
+}
+
+fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
 fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, step_s: f64) -> bool {

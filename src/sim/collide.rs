@@ -182,10 +182,11 @@ fn solve_all(
     parameters: &ResponseParameters,
 ) -> (ResponseReport, Vec<Constraint>) {
     let (mut active, _) = scene.without_redundant(found);
+    scene.list.recall_impulses(&mut active);
     let mut round = 0;
     loop {
         sort_by_place(&mut active);
-        scene.list.hand_over(&mut active);
+        scene.list.stores().hand_over(&mut active);
         let mut table = scene.table(&active);
         set_targets(&mut active, &table, parameters);
         let report = solve(&mut active, &mut table, parameters);
@@ -194,11 +195,13 @@ fn solve_all(
         if round >= MOST_ROUNDS {
             return (report, active);
         }
-        let added = still_closing(scene, look, &active, &table);
+        let mut added = still_closing(scene, look, &active, &table);
         if added.is_empty() {
             return (report, active);
         }
         take_back(scene.bodies, &table);
+        // The impulses found so far are the best guess for the next round.
+        scene.list.recall_impulses(&mut added);
         active.extend(added);
     }
 }

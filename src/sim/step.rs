@@ -370,7 +370,7 @@ impl World {
         report.contact_pairs = pressing as u32;
         report.contact_force_n = if duration_s > 0.0 { collected.impulse_sum_n_s / duration_s } else { 0.0 };
         report.stage = if pressing > 0 { Stage::Collision } else { Stage::Vibrating };
-        self.spring_j = collected.spring_j + self.list.stored_j();
+        self.spring_j = collected.spring_j + self.list.stores().energy_j();
         self.marks = super::publish::marks(constraints(), duration_s);
         self.largest_penetration_ratio = self.largest_penetration_ratio.max(report.max_penetration_ratio);
     }

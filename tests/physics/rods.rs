@@ -142,7 +142,7 @@ fn zz_sweep() {
 }
 #[test]
 fn zz_one() {
-    let mut world = World::new(setup([[10, 2, 2], [10, 3, 3]], Kinematics::Green, 0.3)).unwrap();
+    let mut world = World::new(setup([[10, 2, 2], [10, 2, 2]], Kinematics::Green, 0.3)).unwrap();
     let mut n = 0;
     run(&mut world, 2.0e-4, |_, s| {
         n += 1;
