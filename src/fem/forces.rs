@@ -4,6 +4,7 @@ use super::elements::{Batch, Chunk, ElementBatches};
 use super::kernel::{CornerRows, LaneTotals, body_frame_batch, green_batch};
 use super::lanes::{BATCH, Row};
 use super::partition::CHUNK_NODES;
+use super::prefetch::Ahead;
 use glam::{DMat3, DVec3};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
@@ -13,6 +14,8 @@ use rayon::prelude::*;
 const BLOCK_BATCHES: usize = 4;
 /// Chunks from which work is shared among threads: below, waking them costs more than it saves.
 const PARALLEL_CHUNKS: usize = 8;
+/// Chunks from which memory is asked ahead of use: 25 MB, more than a core's own cache.
+const PREFETCH_CHUNKS: usize = 512;
 /// Nodes that one task sums.
 const TASK_NODES: usize = 4096;
 
@@ -65,21 +68,20 @@ impl ElementBatches {
         assert_eq!(forces_n.len(), self.node_count(), "one force per node");
         scratch.slots.resize(self.node_slots.len(), DVec3::ZERO);
         scratch.totals.resize(self.chunks.len(), (0.0, 0.0));
-        let run = |chunk: &Chunk, slots: &mut [DVec3], totals: &mut (f64, f64)| {
-            *totals = self.arch.dispatch(ChunkForces { chunk, positions_m, kinematics, slots });
-        };
-        let work = self.chunks.iter().zip(scratch.totals.iter_mut());
+        let is_large = self.chunks.len() >= PREFETCH_CHUNKS;
         let mut rest = scratch.slots.as_mut_slice();
-        let pieces = work.map(|(chunk, totals)| {
+        let work = self.chunks.iter().enumerate().zip(scratch.totals.iter_mut());
+        let pieces = work.map(|((index, chunk), totals)| {
             let (slots, tail) = std::mem::take(&mut rest).split_at_mut(chunk.layout.nodes.len());
             rest = tail;
-            (chunk, slots, totals)
+            let ahead = is_large.then(|| Ahead { next: self.chunks.get(index + 1), positions_m });
+            (ChunkForces { chunk, positions_m, kinematics, ahead, slots }, totals)
         });
+        let run = |(forces, totals): (ChunkForces, &mut (f64, f64))| *totals = self.arch.dispatch(forces);
         if self.runs_parallel() {
-            let pieces: Vec<_> = pieces.collect();
-            pieces.into_par_iter().for_each(|(chunk, slots, totals)| run(chunk, slots, totals));
+            pieces.collect::<Vec<_>>().into_par_iter().for_each(run);
         } else {
-            pieces.for_each(|(chunk, slots, totals)| run(chunk, slots, totals));
+            pieces.for_each(run);
         }
         self.sum_slots(&scratch.slots, forces_n);
         let zero = ElasticState::default();
@@ -148,6 +150,8 @@ struct ChunkForces<'a> {
     chunk: &'a Chunk,
     positions_m: &'a [DVec3],
     kinematics: ElementKinematics,
+    /// For bodies that do not fit into caches.
+    ahead: Option<Ahead<'a>>,
     /// Out: force of the chunk on its nodes, N.
     slots: &'a mut [DVec3],
 }
@@ -173,9 +177,9 @@ impl WithSimd for ChunkForces<'_> {
             (positions[0][local], positions[1][local], positions[2][local]) = x.into();
         }
         let totals = match self.kinematics {
-            ElementKinematics::Green => run_batches::<S, true>(simd, self.chunk, &positions, &mut forces),
+            ElementKinematics::Green => self.run_batches::<S, true>(simd, &positions, &mut forces),
             ElementKinematics::BodyFrame { .. } => {
-                run_batches::<S, false>(simd, self.chunk, &positions, &mut forces)
+                self.run_batches::<S, false>(simd, &positions, &mut forces)
             }
         };
         let world_from_body = body_from_world.transpose();
@@ -189,29 +193,34 @@ impl WithSimd for ChunkForces<'_> {
     }
 }
 
-#[inline(always)]
-fn run_batches<S: Simd, const GREEN: bool>(
-    simd: S,
-    chunk: &Chunk,
-    positions: &ChunkPositions,
-    forces: &mut ChunkForceSums,
-) -> LaneTotals {
-    let mut totals = LaneTotals::ZERO;
-    let mut block_rows = [[Row::ZERO; 12]; BLOCK_BATCHES];
-    for block in chunk.batches.chunks(BLOCK_BATCHES) {
-        for (batch, rows) in block.iter().zip(&mut block_rows) {
-            batch.fetch(positions, rows);
-        }
-        for (batch, rows) in block.iter().zip(&mut block_rows) {
-            if GREEN {
-                green_batch(simd, &batch.shape, rows, &mut totals);
-            } else {
-                body_frame_batch(simd, &batch.shape, rows, &mut totals);
+impl ChunkForces<'_> {
+    #[inline(always)]
+    fn run_batches<S: Simd, const GREEN: bool>(
+        &self,
+        simd: S,
+        positions: &ChunkPositions,
+        forces: &mut ChunkForceSums,
+    ) -> LaneTotals {
+        let mut totals = LaneTotals::ZERO;
+        let mut block_rows = [[Row::ZERO; 12]; BLOCK_BATCHES];
+        for (index, block) in self.chunk.batches.chunks(BLOCK_BATCHES).enumerate() {
+            if let Some(ahead) = &self.ahead {
+                ahead.prefetch(self.chunk, index, BLOCK_BATCHES);
+            }
+            for (batch, rows) in block.iter().zip(&mut block_rows) {
+                batch.fetch(positions, rows);
+            }
+            for (batch, rows) in block.iter().zip(&mut block_rows) {
+                if GREEN {
+                    green_batch(simd, &batch.shape, rows, &mut totals);
+                } else {
+                    body_frame_batch(simd, &batch.shape, rows, &mut totals);
+                }
+            }
+            for (batch, rows) in block.iter().zip(&block_rows) {
+                batch.add_up(rows, forces);
             }
         }
-        for (batch, rows) in block.iter().zip(&block_rows) {
-            batch.add_up(rows, forces);
-        }
+        totals
     }
-    totals
 }

@@ -3,7 +3,7 @@
 //! [`ElementBatches`] holds what never changes of a body's tetrahedra, ordered for speed;
 //! [`ElementBatches::forces`] is the inner loop of the whole program. The files, from the bottom up:
 //! `lanes` (numbers of several elements at once), `kernel` (the equations), `partition` (which elements
-//! go together), `elements` (their data), `forces` (the loop), beside it `stress`, `stable_step`, `mass`.
+//! go together), `elements` (their data), `prefetch`, `forces` (the loop), beside it `stress`, `stable_step`, `mass`.
 
 mod elements;
 mod forces;
@@ -12,6 +12,7 @@ mod lanes;
 mod mass;
 mod material;
 mod partition;
+mod prefetch;
 mod stable_step;
 mod stress;
 #[cfg(test)]
