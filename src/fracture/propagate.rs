@@ -1,0 +1,263 @@
+//! One step of crack growth: which nodes are cut, by which planes (METHOD 7).
+
+use super::changes::Changes;
+use super::plane::upward;
+use super::solid::{Face, NodeState, Solid};
+use glam::DVec3;
+
+/// Normals that differ by less than this (cosine; 45 degrees) belong to one crack and are averaged.
+/// The mean of two families of conjugate planes would be a plane of neither.
+const SAME_FAMILY: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Which failed elements make a node crack.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PropagationRule {
+    /// Two or more failed elements that share the node.
+    #[default]
+    TwoAtNode,
+    /// A single failed element: its plane passes through its centroid and is moved through the
+    /// corner nearest to it; that corner cracks.
+    SingleElement,
+}
+
+/// Limits of what fracture may do to a body. Reaching one is counted in [`super::LimitsReached`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FractureLimits {
+    /// Most elements of the body; beyond it cracks run along the faces that are there.
+    pub max_elements: usize,
+    /// No fragment of fewer elements comes off.
+    pub smallest_fragment_elements: u32,
+    /// No lighter fragment comes off, kg.
+    pub smallest_fragment_kg: f64,
+}
+
+impl Default for FractureLimits {
+    fn default() -> Self {
+        Self { max_elements: 1_000_000, smallest_fragment_elements: 1, smallest_fragment_kg: 0.0 }
+    }
+}
+
+/// How cracks grow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Propagation {
+    /// Which failed elements make a node crack.
+    pub rule: PropagationRule,
+    /// A surface (of the body or of an older crack) that runs along the cutting plane within this
+    /// angle, radians, takes the plane's place: no thin flake is cut off beside it.
+    pub surface_snap_rad: f64,
+    /// Limits.
+    pub limits: FractureLimits,
+}
+
+impl Default for Propagation {
+    fn default() -> Self {
+        let limits = FractureLimits::default();
+        Self { rule: PropagationRule::default(), surface_snap_rad: 0.35, limits }
+    }
+}
+
+/// An element that fails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Failure {
+    /// The element.
+    pub element: u32,
+    /// Unit normal of its cutting plane, in the current position.
+    pub normal: DVec3,
+    /// Failure index: the worst go first.
+    pub index: f64,
+}
+
+/// A node that is to be cut.
+struct Candidate {
+    node: u32,
+    normal: DVec3,
+    /// Sum of the failure indices that ask for it.
+    severity: f64,
+}
+
+/// A body under the knife.
+pub(super) struct Surgery<'a> {
+    pub solid: &'a mut Solid,
+    pub nodes: NodeState<'a>,
+    pub settings: &'a Propagation,
+    pub changes: Changes,
+    pub first_element: u32,
+    /// Elements with other corners or faces than before, and nodes with other elements; with repetitions.
+    pub changed: Vec<u32>,
+    pub touched_nodes: Vec<u32>,
+}
+
+impl Solid {
+    /// Lets cracks grow by at most one ring of elements.
+    ///
+    /// Nodes are cut in the order of the sums of their failure indices; no element takes part in
+    /// two cuts of one call. A node is cut only if `may_crack` allows it for every element around
+    /// it: the place to limit the speed of cracks ([`super::CrackPace`]) or to spare a region.
+    /// The work grows with the number of failures and of cuts, not with the body.
+    ///
+    /// `nodes` must hold as many entries as there are nodes.
+    pub fn propagate(
+        &mut self,
+        nodes: NodeState<'_>,
+        failures: &[Failure],
+        settings: &Propagation,
+        may_crack: impl Fn(u32) -> bool,
+    ) -> Changes {
+        let candidates = self.candidates(nodes.positions_m, failures, settings.rule);
+        let mut surgery = Surgery::begin(self, nodes, settings);
+        for candidate in candidates {
+            if surgery.is_free(candidate.node, &may_crack) {
+                surgery.cut_node(candidate.node, candidate.normal);
+            }
+        }
+        surgery.finish()
+    }
+
+    /// Cuts the elements around one node by the plane through it, whatever their stress.
+    ///
+    /// `normal` must be a unit vector, `nodes` as for [`Self::propagate`].
+    pub fn cut_node(
+        &mut self,
+        nodes: NodeState<'_>,
+        node: u32,
+        normal: DVec3,
+        settings: &Propagation,
+    ) -> Changes {
+        let mut surgery = Surgery::begin(self, nodes, settings);
+        surgery.cut_node(node, normal);
+        surgery.finish()
+    }
+
+    /// The nodes that failures ask to cut, the worst first.
+    fn candidates(
+        &self,
+        positions_m: &[DVec3],
+        failures: &[Failure],
+        rule: PropagationRule,
+    ) -> Vec<Candidate> {
+        let mut asked: Vec<(u32, u32, usize)> = Vec::new();
+        for (index, failure) in failures.iter().enumerate().filter(|(_, f)| f.normal.is_finite()) {
+            let mut ask = |node| asked.push((node, failure.element, index));
+            match rule {
+                PropagationRule::TwoAtNode => self.tets[failure.element as usize].into_iter().for_each(ask),
+                PropagationRule::SingleElement => ask(self.nearest_corner(positions_m, failure)),
+            }
+        }
+        asked.sort_unstable();
+        let needed = if rule == PropagationRule::TwoAtNode { 2 } else { 1 };
+        let mut candidates: Vec<Candidate> = asked
+            .chunk_by(|a, b| a.0 == b.0)
+            .filter(|group| group.len() >= needed)
+            .filter_map(|group| {
+                let failures: Vec<Failure> = group.iter().map(|&(_, _, index)| failures[index]).collect();
+                let severity = failures.iter().map(|failure| failure.index).sum();
+                Some(Candidate { node: group[0].0, normal: common_normal(&failures)?, severity })
+            })
+            .collect();
+        candidates.sort_by(|a, b| b.severity.total_cmp(&a.severity).then(a.node.cmp(&b.node)));
+        candidates
+    }
+
+    /// The corner nearest to the plane through the centroid; the lowest of equals.
+    fn nearest_corner(&self, positions_m: &[DVec3], failure: &Failure) -> u32 {
+        let mut corners = self.tets[failure.element as usize];
+        corners.sort_unstable();
+        let at_m = |node: u32| positions_m[node as usize];
+        let centroid_m = corners.into_iter().map(at_m).sum::<DVec3>() / 4.0;
+        let distance_m = |node: u32| (at_m(node) - centroid_m).dot(failure.normal).abs();
+        let nearest_m = corners.into_iter().map(distance_m).fold(f64::INFINITY, f64::min);
+        let is_nearest = |node: &u32| distance_m(*node) <= nearest_m * (1.0 + 1e-9);
+        corners.into_iter().find(is_nearest).unwrap_or(corners[0])
+    }
+}
+
+/// Mean normal of the failures, signs aligned; of several families of normals the one of the
+/// greatest sum of failure indices.
+fn common_normal(failures: &[Failure]) -> Option<DVec3> {
+    let is_close = |a: &Failure, b: &Failure| a.normal.dot(b.normal).abs() >= SAME_FAMILY;
+    let support = |failure: &Failure| -> f64 {
+        failures.iter().filter(|other| is_close(failure, other)).map(|other| other.index).sum()
+    };
+    let mut best: Option<(f64, &Failure)> = None;
+    for failure in failures {
+        let key = support(failure);
+        // Round-off must not decide between families.
+        let is_better = |(most, lead): (f64, &Failure)| {
+            let tie = (key - most).abs() <= 1e-9 * most;
+            if tie { failure.index > lead.index } else { key > most }
+        };
+        if best.is_none_or(is_better) {
+            best = Some((key, failure));
+        }
+    }
+    let lead = best?.1;
+    let family = failures.iter().filter(|failure| is_close(failure, lead));
+    let aligned = family.map(|f| if f.normal.dot(lead.normal) < 0.0 { -f.normal } else { f.normal });
+    aligned.sum::<DVec3>().try_normalize().map(upward)
+}
+
+impl<'a> Surgery<'a> {
+    fn begin(solid: &'a mut Solid, nodes: NodeState<'a>, settings: &'a Propagation) -> Self {
+        debug_assert_eq!(nodes.positions_m.len(), solid.node_count());
+        debug_assert_eq!(nodes.velocities_m_s.len(), solid.node_count());
+        solid.calls += 1;
+        let changes = Changes {
+            first_node: solid.node_count() as u32,
+            first_crack_pair: solid.crack_pairs,
+            ..Changes::default()
+        };
+        let first_element = solid.tets.len() as u32;
+        let (changed, touched_nodes) = (Vec::new(), Vec::new());
+        Self { solid, nodes, settings, changes, first_element, changed, touched_nodes }
+    }
+
+    /// Whether no element at the node was changed in this call, and all of them may crack.
+    fn is_free(&mut self, node: u32, may_crack: impl Fn(u32) -> bool) -> bool {
+        let solid = &*self.solid;
+        let elements = solid.elements_at(node);
+        if elements.iter().any(|&element| solid.touched_in_call[element as usize] == solid.calls) {
+            return false;
+        }
+        let is_allowed = elements.iter().all(|&element| may_crack(element));
+        self.changes.limits.waiting += u32::from(!is_allowed);
+        is_allowed
+    }
+
+    /// Notes that an element takes part in a cut.
+    pub(super) fn mark_touched(&mut self, element: u32) {
+        self.solid.touched_in_call[element as usize] = self.solid.calls;
+    }
+
+    /// Notes that an element has other corners or faces than before.
+    pub(super) fn mark_changed(&mut self, element: u32) {
+        self.mark_touched(element);
+        self.changed.push(element);
+    }
+
+    fn finish(mut self) -> Changes {
+        let first_element = self.first_element;
+        sort_and_dedup(&mut self.changed);
+        sort_and_dedup(&mut self.touched_nodes);
+        let solid = &*self.solid;
+        let new = first_element..solid.tets.len() as u32;
+        let old = || self.changed.iter().copied().filter(|&element| element < first_element);
+        let first_pair = self.changes.first_crack_pair;
+        let is_new = |kind: Face| matches!(kind, Face::Crack { pair, .. } if pair >= first_pair);
+        let crack_faces = old()
+            .chain(new)
+            .flat_map(|element| solid.surface_of(element))
+            .filter(|face| is_new(face.kind))
+            .collect();
+        Changes {
+            changed_elements: old().collect(),
+            touched_nodes: self.touched_nodes,
+            crack_faces,
+            ..self.changes
+        }
+    }
+}
+
+fn sort_and_dedup(values: &mut Vec<u32>) {
+    values.sort_unstable();
+    values.dedup();
+}
