@@ -40,7 +40,8 @@ pub struct NodeCut {
     pub normal: DVec3,
     /// Mean distance of the nodes around it: how far the crack ran, m.
     pub reach_m: f64,
-    /// The elements around it after the cut, on both sides, ascending.
+    /// The elements around it after the cut, on both sides, and those that share a node with one
+    /// of them, ascending: what feels the cut first.
     pub elements: Vec<u32>,
     /// Number of faces that cracked; zero if a crack was already there or a limit forbade it.
     pub cracked_faces: usize,

@@ -8,7 +8,7 @@ use super::formula::{Formula, FormulaError};
 use super::plane::PlaneRule;
 use super::stress::{PrincipalStress, StressMeasures};
 use glam::DVec3;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 /// The strength of a material under one kind of failure.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,6 +126,28 @@ impl Strength {
         }
     }
 
+    /// States whose tensor has a Frobenius norm below this cannot fail, Pa.
+    ///
+    /// The demand is at most the norm times: 1 (tensile), `1/sqrt2` (Tresca, von Mises),
+    /// `sqrt((1 + sin^2 phi)/2)` (Mohr-Coulomb), `sqrt(3 a^2 + 1/2)` (Drucker-Prager, by
+    /// `|s|^2 = I1^2/3 + 2 J2`). Of a formula nothing is known.
+    fn safe_norm_pa(&self) -> f64 {
+        let (_, capacity_pa) = self.demand_and_capacity_pa(&StressMeasures::of(DVec3::ZERO));
+        let most = match *self {
+            Self::Tensile { .. } => 1.0,
+            Self::Tresca { .. } | Self::VonMises { .. } => FRAC_1_SQRT_2,
+            Self::MohrCoulomb { friction_angle_rad, .. } => {
+                ((1.0 + friction_angle_rad.sin().powi(2)) / 2.0).sqrt()
+            }
+            Self::DruckerPrager { friction_angle_rad, .. } => {
+                let sin = friction_angle_rad.sin();
+                (2.0 * sin / (3.0 - sin)).hypot(FRAC_1_SQRT_2)
+            }
+            Self::Formula(_) => return 0.0,
+        };
+        capacity_pa / most
+    }
+
     fn check(&self, rule: usize) -> Result<(), CriterionError> {
         let strength = |argument, value| check_strength(rule, argument, value);
         match *self {
@@ -232,6 +254,13 @@ impl Criterion {
     #[must_use]
     pub fn rules(&self) -> &[FailureRule] {
         &self.rules
+    }
+
+    /// Stress tensors whose Frobenius norm (root of the sum of the squares of all nine entries) is
+    /// below this cannot fail, Pa: a cheap test before principal stresses are sought.
+    #[must_use]
+    pub fn safe_norm_pa(&self) -> f64 {
+        self.rules.iter().map(|rule| rule.strength.safe_norm_pa()).fold(f64::INFINITY, f64::min)
     }
 
     /// How near to failure a state is.
@@ -343,6 +372,28 @@ mod tests {
             &Strength::DruckerPrager { cohesion_pa: K, friction_angle_rad: FRAC_PI_6 },
             [K / FRAC_PI_6.tan(); 3],
         );
+    }
+
+    #[test]
+    fn states_below_the_safe_norm_are_safe_and_some_just_above_fail() {
+        let friction_angle_rad = 0.6;
+        for strength in [
+            Strength::Tensile { tensile_strength_pa: K },
+            Strength::Tresca { shear_strength_pa: K },
+            Strength::VonMises { shear_strength_pa: K },
+            Strength::MohrCoulomb { cohesion_pa: K, friction_angle_rad },
+            Strength::DruckerPrager { cohesion_pa: K, friction_angle_rad },
+        ] {
+            let norm_pa = Criterion::single(strength.clone()).unwrap().safe_norm_pa();
+            let mut highest = 0.0_f64;
+            for step in 0..10_000 {
+                let (height, turn) = (f64::from(step) / 5000.0 - 1.0, f64::from(step) * 2.4);
+                let ring = (1.0 - height * height).sqrt();
+                let direction = DVec3::new(ring * turn.cos(), ring * turn.sin(), height);
+                highest = highest.max(index(&strength, (direction * norm_pa).to_array()));
+            }
+            assert!((0.75..1.0 + 1e-12).contains(&highest), "{strength:?}: {highest}");
+        }
     }
 
     #[test]

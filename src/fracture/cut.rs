@@ -8,9 +8,15 @@
 //! 4. Fragments are told apart, and nodes that nothing holds together any more are doubled.
 
 use super::changes::NodeCut;
-use super::propagate::Surgery;
-use super::solid::{Face, SurfaceFace};
+use super::propagate::{Surgery, sort_and_dedup};
+use super::solid::{Face, SurfaceFace, area_vector_m2};
 use glam::DVec3;
+
+/// Least share of each arm in a direction between them; leaves out the arms themselves.
+const BETWEEN: f64 = 1e-6;
+
+/// A crack face tells the side of its element if the cosine of its slope to the plane exceeds this.
+const CLEAR_SIDE: f64 = 0.25;
 
 /// A node opposite the one that is cut.
 #[derive(Clone, Copy, Debug)]
@@ -28,9 +34,11 @@ pub(super) struct Star {
     normal: DVec3,
     /// Ascending by node.
     link: Vec<LinkNode>,
-    /// Where the crack that ends at the node points, unit vector in the plane; the plane is cut
-    /// only on that side. `None`: no crack yet, cut all around.
-    ahead: Option<DVec3>,
+    /// Faces of the crack that ends at the node: the arms to their other two corners, m. Where
+    /// they lie over the plane it is cut already; a second cut there would only part a flake.
+    cracked_arms_m: Vec<[DVec3; 2]>,
+    /// The pairs of these faces.
+    tip_pairs: Vec<u32>,
 }
 
 /// A face that is to crack: the element above and its face, the one below and its.
@@ -63,15 +71,14 @@ impl Surgery<'_> {
             position_m: self.nodes.positions_m[node as usize],
             normal,
             reach_m: self.reach_m(&star),
-            elements: self.solid.node_elements[node as usize].clone(),
+            elements: self.two_rings(node),
             cracked_faces: cracked.len(),
         };
-        for &element in &cut.elements {
-            self.mark_touched(element);
+        for place in 0..self.solid.elements_at(node).len() {
+            self.mark_touched(self.solid.node_elements[node as usize][place]);
         }
         self.changes.cuts.push(cut);
-        loose.sort_unstable();
-        loose.dedup();
+        sort_and_dedup(&mut loose);
         for node in loose {
             self.separate(node);
         }
@@ -81,8 +88,7 @@ impl Surgery<'_> {
         let elements = self.solid.elements_at(node);
         let corners = elements.iter().flat_map(|&element| self.solid.tets[element as usize]);
         let mut nodes: Vec<u32> = corners.filter(|&corner| corner != node).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        sort_and_dedup(&mut nodes);
         let at_m = self.nodes.positions_m[node as usize];
         let link = nodes
             .into_iter()
@@ -91,7 +97,19 @@ impl Surgery<'_> {
                 LinkNode { node, distance_m, snapped_m: distance_m }
             })
             .collect();
-        Star { node, normal, link, ahead: None }
+        Star { node, normal, link, cracked_arms_m: Vec::new(), tip_pairs: Vec::new() }
+    }
+
+    /// The elements at a node and those that share a node with one of them, ascending.
+    fn two_rings(&self, node: u32) -> Vec<u32> {
+        let solid = &self.solid;
+        let corners = solid.elements_at(node).iter().flat_map(|&element| solid.tets[element as usize]);
+        let mut nodes: Vec<u32> = corners.collect();
+        sort_and_dedup(&mut nodes);
+        let mut elements: Vec<u32> =
+            nodes.iter().flat_map(|&node| solid.elements_at(node)).copied().collect();
+        sort_and_dedup(&mut elements);
+        elements
     }
 
     fn reach_m(&self, star: &Star) -> f64 {
@@ -111,28 +129,27 @@ impl Surgery<'_> {
         let at_m = self.nodes.positions_m[star.node as usize];
         let sin = self.settings.surface_snap_rad.sin();
         let faces: Vec<SurfaceFace> = self.solid.surface_at(star.node).collect();
-        let mut behind_m = DVec3::ZERO;
         for face in &faces {
-            let others: Vec<u32> = face.nodes.into_iter().filter(|&corner| corner != star.node).collect();
+            let mut others: Vec<u32> = face.nodes.into_iter().filter(|&corner| corner != star.node).collect();
+            others.sort_unstable();
             let arm_m = |corner: u32| self.nodes.positions_m[corner as usize] - at_m;
-            let runs_along = |&corner: &u32| star.distance_m(corner).abs() <= sin * arm_m(corner).length();
+            let is_near = |&corner: &u32| star.distance_m(corner).abs() <= sin * arm_m(corner).length();
+            let runs_along = others.iter().all(is_near);
             let is_tip = ends_here(face, &faces);
-            if is_tip {
-                behind_m += others.iter().copied().map(arm_m).sum::<DVec3>();
+            if let (true, [p, q]) = (is_tip, others.as_slice()) {
+                star.cracked_arms_m.push([arm_m(*p), arm_m(*q)]);
+                star.tip_pairs.extend(pair_of(face));
             }
-            if is_tip || others.iter().all(runs_along) {
+            if is_tip || runs_along {
                 others.into_iter().for_each(|corner| star.snap(corner));
             }
         }
-        let in_plane_m = -behind_m.reject_from_normalized(star.normal);
-        if in_plane_m.length() > 0.5 * behind_m.length() {
-            star.ahead = in_plane_m.try_normalize();
-        }
     }
 
+    /// Whether the crack that ends at the node does not cover this place of the plane.
     fn is_ahead(&self, star: &Star, position_m: DVec3) -> bool {
         let arm_m = position_m - self.nodes.positions_m[star.node as usize];
-        star.ahead.is_none_or(|ahead| arm_m.dot(ahead) >= 0.0)
+        !star.cracked_arms_m.iter().any(|arms_m| is_between(arm_m, arms_m, star.normal))
     }
 
     /// Step 2; returns the new nodes.
@@ -191,17 +208,15 @@ impl Surgery<'_> {
     /// Step 3: the faces between elements above and below the plane, by element.
     fn faces_between(&self, star: &Star) -> Vec<CrackedFace> {
         let elements = self.solid.elements_at(star.node);
-        let above: Vec<bool> = elements.iter().map(|&element| self.is_above(star, element)).collect();
+        let above = self.sides(star, elements);
         let mut found = Vec::new();
         for (&element, _) in elements.iter().zip(&above).filter(|(_, above)| **above) {
             for (face, behind) in self.solid.faces[element as usize].iter().enumerate() {
                 let Face::Inner(neighbour) = *behind else { continue };
                 let Ok(place) = elements.binary_search(&neighbour) else { continue };
-                if above[place] || !self.is_ahead(star, self.face_centre_m(element, face)) {
-                    continue;
-                }
                 let faces = &self.solid.faces[neighbour as usize];
-                if let Some(opposite) = faces.iter().position(|&back| back == Face::Inner(element)) {
+                let opposite = faces.iter().position(|&back| back == Face::Inner(element));
+                if let (false, Some(opposite)) = (above[place], opposite) {
                     found.push(CrackedFace { above: (element, face), below: (neighbour, opposite) });
                 }
             }
@@ -209,9 +224,49 @@ impl Surgery<'_> {
         found
     }
 
-    fn face_centre_m(&self, element: u32, face: usize) -> DVec3 {
-        let nodes = self.solid.face_nodes(element, face);
-        nodes.into_iter().map(|node| self.nodes.positions_m[node as usize]).sum::<DVec3>() / 3.0
+    /// Whether each element around the node is above the plane. Along the crack that ends here its
+    /// own sides count, so that it goes on where it ended.
+    fn sides(&self, star: &Star, elements: &[u32]) -> Vec<bool> {
+        let mut sides: Vec<Option<bool>> =
+            elements.iter().map(|&element| self.side_by_crack(star, element)).collect();
+        let mut known: Vec<usize> = (0..elements.len()).filter(|&place| sides[place].is_some()).collect();
+        let mut next = 0;
+        while let Some(&place) = known.get(next) {
+            next += 1;
+            for face in self.solid.faces[elements[place] as usize] {
+                let Face::Inner(neighbour) = face else { continue };
+                let Ok(other) = elements.binary_search(&neighbour) else { continue };
+                if sides[other].is_none() && !self.is_ahead(star, self.centroid_m(neighbour)) {
+                    sides[other] = sides[place];
+                    known.push(other);
+                }
+            }
+        }
+        let by_plane =
+            |(side, &element): (&Option<bool>, &u32)| side.unwrap_or_else(|| self.is_above(star, element));
+        sides.iter().zip(elements).map(by_plane).collect()
+    }
+
+    /// The side of an element that touches the crack which ends at the node: its crack face looks
+    /// down from above.
+    fn side_by_crack(&self, star: &Star, element: u32) -> Option<bool> {
+        let mut sum_m2 = DVec3::ZERO;
+        for face in self.solid.surface_of(element) {
+            if star
+                .tip_pairs
+                .iter()
+                .any(|&pair| matches!(face.kind, Face::Crack { pair: p, .. } if p == pair))
+            {
+                sum_m2 += area_vector_m2(face.nodes, self.nodes.positions_m);
+            }
+        }
+        let along = sum_m2.dot(star.normal);
+        (along.abs() > CLEAR_SIDE * sum_m2.length()).then_some(along < 0.0)
+    }
+
+    fn centroid_m(&self, element: u32) -> DVec3 {
+        let corners = self.solid.tets[element as usize];
+        corners.into_iter().map(|node| self.nodes.positions_m[node as usize]).sum::<DVec3>() / 4.0
     }
 
     /// By its corners; where they do not agree, or all count as on the plane, by its centroid.
@@ -224,6 +279,18 @@ impl Surgery<'_> {
         }
         corners.iter().map(|&corner| star.distance_m(corner)).sum::<f64>() >= 0.0
     }
+}
+
+/// Whether an arm points between two others, all seen along the normal.
+fn is_between(arm_m: DVec3, [first_m, second_m]: &[DVec3; 2], normal: DVec3) -> bool {
+    let turn = |a: DVec3, b: DVec3| a.cross(b).dot(normal);
+    let whole = turn(*first_m, *second_m);
+    let [first, second] = [turn(arm_m, *second_m) / whole, turn(*first_m, arm_m) / whole];
+    first > BETWEEN && second > BETWEEN
+}
+
+fn pair_of(face: &SurfaceFace) -> Option<u32> {
+    if let Face::Crack { pair, .. } = face.kind { Some(pair) } else { None }
 }
 
 /// Whether both sides of the crack that `face` belongs to still meet here: its tip.

@@ -20,6 +20,9 @@ pub enum PropagationRule {
     SingleElement,
 }
 
+/// Elements of average size that the smallest fragment holds by default: a shard, not a splinter.
+const SMALLEST_FRAGMENT: f64 = 6.0;
+
 /// Limits of what fracture may do to a body. Reaching one is counted in [`super::LimitsReached`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FractureLimits {
@@ -34,6 +37,22 @@ pub struct FractureLimits {
 impl Default for FractureLimits {
     fn default() -> Self {
         Self { max_elements: 1_000_000, smallest_fragment_elements: 1, smallest_fragment_kg: 0.0 }
+    }
+}
+
+impl FractureLimits {
+    /// Limits that suit a body: no fragment below six of its average elements, so that what fails
+    /// all over breaks into shards rather than into single elements, and at most eight times its
+    /// elements.
+    #[must_use]
+    pub fn for_body(solid: &Solid) -> Self {
+        let mass_kg: f64 = solid.masses_kg().iter().sum();
+        let elements = solid.tets().len();
+        Self {
+            max_elements: 8 * elements,
+            smallest_fragment_elements: 1,
+            smallest_fragment_kg: SMALLEST_FRAGMENT * mass_kg / elements.max(1) as f64,
+        }
     }
 }
 
@@ -211,11 +230,21 @@ impl<'a> Surgery<'a> {
         Self { solid, nodes, settings, changes, first_element, changed, touched_nodes }
     }
 
-    /// Whether no element at the node was changed in this call, and all of them may crack.
+    /// Whether no element at the node was changed in this call, all of them may crack, and their
+    /// fragment is large enough to be broken.
     fn is_free(&mut self, node: u32, may_crack: impl Fn(u32) -> bool) -> bool {
         let solid = &*self.solid;
         let elements = solid.elements_at(node);
         if elements.iter().any(|&element| solid.touched_in_call[element as usize] == solid.calls) {
+            return false;
+        }
+        let fragments = &solid.fragments;
+        let fragment = fragments.list()[fragments.of_element()[elements[0] as usize] as usize];
+        let limits = &self.settings.limits;
+        if fragment.elements < 2 * limits.smallest_fragment_elements
+            || fragment.mass_kg < 2.0 * limits.smallest_fragment_kg
+        {
+            self.changes.limits.fragments += 1;
             return false;
         }
         let is_allowed = elements.iter().all(|&element| may_crack(element));
@@ -257,7 +286,7 @@ impl<'a> Surgery<'a> {
     }
 }
 
-fn sort_and_dedup(values: &mut Vec<u32>) {
+pub(super) fn sort_and_dedup(values: &mut Vec<u32>) {
     values.sort_unstable();
     values.dedup();
 }

@@ -91,10 +91,6 @@ impl Specimen {
         specimen
     }
 
-    pub fn state(&mut self) -> NodeState<'_> {
-        NodeState { positions_m: &mut self.positions_m, velocities_m_s: &mut self.velocities_m_s }
-    }
-
     pub fn cut(&mut self, node: u32, normal: DVec3, settings: &Propagation) -> Changes {
         let nodes =
             NodeState { positions_m: &mut self.positions_m, velocities_m_s: &mut self.velocities_m_s };
