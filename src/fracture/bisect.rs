@@ -63,6 +63,7 @@ impl Surgery<'_> {
         self.nodes.positions_m.push(position_m);
         self.nodes.velocities_m_s.push(velocity_m_s);
         self.solid.node_elements.push(Vec::new());
+        self.solid.vain_call.push(0);
         self.changes.new_nodes.push(NodeBirth::OnEdge { ends, weight });
         middle
     }

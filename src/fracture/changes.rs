@@ -29,7 +29,7 @@ pub struct NewElement {
     pub origin: u32,
 }
 
-/// A node that was cut.
+/// A node at which a crack opened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeCut {
     /// The node.
@@ -43,7 +43,7 @@ pub struct NodeCut {
     /// The elements around it after the cut, on both sides, and those that share a node with one
     /// of them, ascending: what feels the cut first.
     pub elements: Vec<u32>,
-    /// Number of faces that cracked; zero if a crack was already there or a limit forbade it.
+    /// Number of faces that cracked; at least one.
     pub cracked_faces: usize,
 }
 

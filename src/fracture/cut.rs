@@ -56,8 +56,8 @@ struct Crossing {
 }
 
 impl Surgery<'_> {
-    /// Cuts the elements around `node` by the plane through it.
-    pub(super) fn cut_node(&mut self, node: u32, normal: DVec3) {
+    /// Cuts the elements around `node` by the plane through it; says whether anything cracked.
+    pub(super) fn cut_node(&mut self, node: u32, normal: DVec3) -> bool {
         let mut star = self.star(node, normal);
         self.snap_near(&mut star);
         let mut loose = self.bisect_crossings(&mut star);
@@ -66,22 +66,31 @@ impl Surgery<'_> {
         for face in &cracked {
             loose.extend(self.solid.face_nodes(face.above.0, face.above.1));
         }
-        let cut = NodeCut {
-            node,
-            position_m: self.nodes.positions_m[node as usize],
-            normal,
-            reach_m: self.reach_m(&star),
-            elements: self.two_rings(node),
-            cracked_faces: cracked.len(),
-        };
-        for place in 0..self.solid.elements_at(node).len() {
-            self.mark_touched(self.solid.node_elements[node as usize][place]);
+        if !cracked.is_empty() {
+            self.record_cut(&star, cracked.len());
         }
-        self.changes.cuts.push(cut);
         sort_and_dedup(&mut loose);
         for node in loose {
             self.separate(node);
         }
+        !cracked.is_empty()
+    }
+
+    /// Notes a cut, before nodes are doubled. One that opened nothing is none: it must not keep
+    /// the nodes around it from being cut.
+    fn record_cut(&mut self, star: &Star, cracked_faces: usize) {
+        for element in self.solid.elements_at(star.node).to_vec() {
+            self.mark_touched(element);
+        }
+        let cut = NodeCut {
+            node: star.node,
+            position_m: self.nodes.positions_m[star.node as usize],
+            normal: star.normal,
+            reach_m: self.reach_m(star),
+            elements: self.two_rings(star.node),
+            cracked_faces,
+        };
+        self.changes.cuts.push(cut);
     }
 
     fn star(&self, node: u32, normal: DVec3) -> Star {
@@ -294,7 +303,7 @@ fn pair_of(face: &SurfaceFace) -> Option<u32> {
 }
 
 /// Whether both sides of the crack that `face` belongs to still meet here: its tip.
-fn ends_here(face: &SurfaceFace, faces: &[SurfaceFace]) -> bool {
+pub(super) fn ends_here(face: &SurfaceFace, faces: &[SurfaceFace]) -> bool {
     let Face::Crack { pair, above } = face.kind else { return false };
     faces.iter().any(|other| other.kind == Face::Crack { pair, above: !above })
 }

@@ -11,6 +11,7 @@
 //! ```
 
 mod bisect;
+mod candidates;
 pub mod changes;
 pub mod criterion;
 mod cut;

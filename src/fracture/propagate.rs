@@ -1,13 +1,8 @@
 //! One step of crack growth: which nodes are cut, by which planes (METHOD 7).
 
 use super::changes::Changes;
-use super::plane::upward;
 use super::solid::{Face, NodeState, Solid};
 use glam::DVec3;
-
-/// Normals that differ by less than this (cosine; 45 degrees) belong to one crack and are averaged.
-/// The mean of two families of conjugate planes would be a plane of neither.
-const SAME_FAMILY: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Which failed elements make a node crack.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,14 +81,6 @@ pub struct Failure {
     pub index: f64,
 }
 
-/// A node that is to be cut.
-struct Candidate {
-    node: u32,
-    normal: DVec3,
-    /// Sum of the failure indices that ask for it.
-    severity: f64,
-}
-
 /// A body under the knife.
 pub(super) struct Surgery<'a> {
     pub solid: &'a mut Solid,
@@ -109,7 +96,8 @@ pub(super) struct Surgery<'a> {
 impl Solid {
     /// Lets cracks grow by at most one ring of elements.
     ///
-    /// Nodes are cut in the order of the sums of their failure indices; no element takes part in
+    /// Nodes at which a crack ends come first, then those with the greatest sums of failure
+    /// indices; no element takes part in
     /// two cuts of one call. A node is cut only if `may_crack` allows it for every element around
     /// it: the place to limit the speed of cracks ([`super::CrackPace`]) or to spare a region.
     /// The work grows with the number of failures and of cuts, not with the body.
@@ -125,8 +113,10 @@ impl Solid {
         let candidates = self.candidates(nodes.positions_m, failures, settings.rule);
         let mut surgery = Surgery::begin(self, nodes, settings);
         for candidate in candidates {
-            if surgery.is_free(candidate.node, &may_crack) {
-                surgery.cut_node(candidate.node, candidate.normal);
+            if surgery.is_free(candidate.node, &may_crack)
+                && !surgery.cut_node(candidate.node, candidate.normal)
+            {
+                surgery.solid.vain_call[candidate.node as usize] = surgery.solid.calls;
             }
         }
         surgery.finish()
@@ -146,73 +136,6 @@ impl Solid {
         surgery.cut_node(node, normal);
         surgery.finish()
     }
-
-    /// The nodes that failures ask to cut, the worst first.
-    fn candidates(
-        &self,
-        positions_m: &[DVec3],
-        failures: &[Failure],
-        rule: PropagationRule,
-    ) -> Vec<Candidate> {
-        let mut asked: Vec<(u32, u32, usize)> = Vec::new();
-        for (index, failure) in failures.iter().enumerate().filter(|(_, f)| f.normal.is_finite()) {
-            let mut ask = |node| asked.push((node, failure.element, index));
-            match rule {
-                PropagationRule::TwoAtNode => self.tets[failure.element as usize].into_iter().for_each(ask),
-                PropagationRule::SingleElement => ask(self.nearest_corner(positions_m, failure)),
-            }
-        }
-        asked.sort_unstable();
-        let needed = if rule == PropagationRule::TwoAtNode { 2 } else { 1 };
-        let mut candidates: Vec<Candidate> = asked
-            .chunk_by(|a, b| a.0 == b.0)
-            .filter(|group| group.len() >= needed)
-            .filter_map(|group| {
-                let failures: Vec<Failure> = group.iter().map(|&(_, _, index)| failures[index]).collect();
-                let severity = failures.iter().map(|failure| failure.index).sum();
-                Some(Candidate { node: group[0].0, normal: common_normal(&failures)?, severity })
-            })
-            .collect();
-        candidates.sort_by(|a, b| b.severity.total_cmp(&a.severity).then(a.node.cmp(&b.node)));
-        candidates
-    }
-
-    /// The corner nearest to the plane through the centroid; the lowest of equals.
-    fn nearest_corner(&self, positions_m: &[DVec3], failure: &Failure) -> u32 {
-        let mut corners = self.tets[failure.element as usize];
-        corners.sort_unstable();
-        let at_m = |node: u32| positions_m[node as usize];
-        let centroid_m = corners.into_iter().map(at_m).sum::<DVec3>() / 4.0;
-        let distance_m = |node: u32| (at_m(node) - centroid_m).dot(failure.normal).abs();
-        let nearest_m = corners.into_iter().map(distance_m).fold(f64::INFINITY, f64::min);
-        let is_nearest = |node: &u32| distance_m(*node) <= nearest_m * (1.0 + 1e-9);
-        corners.into_iter().find(is_nearest).unwrap_or(corners[0])
-    }
-}
-
-/// Mean normal of the failures, signs aligned; of several families of normals the one of the
-/// greatest sum of failure indices.
-fn common_normal(failures: &[Failure]) -> Option<DVec3> {
-    let is_close = |a: &Failure, b: &Failure| a.normal.dot(b.normal).abs() >= SAME_FAMILY;
-    let support = |failure: &Failure| -> f64 {
-        failures.iter().filter(|other| is_close(failure, other)).map(|other| other.index).sum()
-    };
-    let mut best: Option<(f64, &Failure)> = None;
-    for failure in failures {
-        let key = support(failure);
-        // Round-off must not decide between families.
-        let is_better = |(most, lead): (f64, &Failure)| {
-            let tie = (key - most).abs() <= 1e-9 * most;
-            if tie { failure.index > lead.index } else { key > most }
-        };
-        if best.is_none_or(is_better) {
-            best = Some((key, failure));
-        }
-    }
-    let lead = best?.1;
-    let family = failures.iter().filter(|failure| is_close(failure, lead));
-    let aligned = family.map(|f| if f.normal.dot(lead.normal) < 0.0 { -f.normal } else { f.normal });
-    aligned.sum::<DVec3>().try_normalize().map(upward)
 }
 
 impl<'a> Surgery<'a> {
@@ -236,6 +159,9 @@ impl<'a> Surgery<'a> {
         let solid = &*self.solid;
         let elements = solid.elements_at(node);
         if elements.iter().any(|&element| solid.touched_in_call[element as usize] == solid.calls) {
+            return false;
+        }
+        if solid.rests(node) {
             return false;
         }
         let fragments = &solid.fragments;

@@ -38,6 +38,7 @@ impl Surgery<'_> {
             self.mark_changed(element);
         }
         self.solid.node_elements.push(elements);
+        self.solid.vain_call.push(0);
         self.changes.new_nodes.push(NodeBirth::TwinOf(node));
         self.touched_nodes.push(twin);
     }

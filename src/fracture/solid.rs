@@ -113,6 +113,8 @@ pub struct Solid {
     /// Calls of `propagate` so far, and the one that last changed each element.
     pub(super) calls: u32,
     pub(super) touched_in_call: Vec<u32>,
+    /// The call in which each node was last cut in vain; 0 for never.
+    pub(super) vain_call: Vec<u32>,
 }
 
 impl Solid {
@@ -147,6 +149,7 @@ impl Solid {
             crack_pairs: 0,
             calls: 0,
             touched_in_call: vec![0; mesh.tets.len()],
+            vain_call: vec![0; mesh.nodes_m.len()],
         })
     }
 

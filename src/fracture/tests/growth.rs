@@ -1,6 +1,6 @@
 //! Cracks that grow step by step: which nodes crack, how far, how fast, how straight.
 
-use super::specimen::{Random, Specimen, area_m2, assert_same, assert_sound};
+use super::specimen::{Random, Specimen, area_m2, assert_sound};
 use crate::fracture::{
     Changes, CrackPace, Face, Failure, FractureLimits, NodeState, Propagation, PropagationRule,
 };
@@ -25,19 +25,28 @@ fn propagate(
     specimen.solid.propagate(nodes, failures, settings, may_crack)
 }
 
-/// Everything that still holds together across the plane fails there, the worst at the top, as
-/// under a bending load.
-fn failures_across(specimen: &Specimen, point_m: DVec3, normal: DVec3) -> Vec<Failure> {
-    let mut failures = Vec::new();
-    for element in specimen.elements() {
-        let corners = specimen.solid.tets()[element as usize].map(|n| specimen.positions_m[n as usize]);
-        let distances = corners.map(|x| (x - point_m).dot(normal));
-        let [above, below] = [1.0, -1.0].map(|s| distances.iter().any(|d| d * s > 1e-9));
-        if above && below {
-            failures.push(Failure { element, normal, index: 1.0 + 0.1 * corners[0].z });
+/// What the plane crosses at the nodes of the crack: all that fails at the tip of a single one.
+fn failures_at_tip(specimen: &Specimen, point_m: DVec3, normal: DVec3) -> Vec<Failure> {
+    let mut sides = std::collections::BTreeMap::<(u32, u32), [bool; 2]>::new();
+    for face in specimen.solid.surface() {
+        if let Face::Crack { pair, above } = face.kind {
+            face.nodes
+                .iter()
+                .for_each(|&node| sides.entry((pair, node)).or_default()[usize::from(above)] = true);
         }
     }
-    failures
+    let mut is_tip = vec![false; specimen.solid.node_count()];
+    sides
+        .iter()
+        .filter(|(_, both)| **both == [true; 2])
+        .for_each(|((_, node), _)| is_tip[*node as usize] = true);
+    let crosses = |element: &u32| {
+        let corners = specimen.solid.tets()[*element as usize];
+        let distances = corners.map(|n| (specimen.positions_m[n as usize] - point_m).dot(normal));
+        let is_at_tip = corners.iter().any(|&n| is_tip[n as usize]);
+        is_at_tip && [1.0, -1.0].iter().all(|s| distances.iter().any(|d| d * s > 1e-6))
+    };
+    specimen.elements().filter(crosses).map(|element| Failure { element, normal, index: 1.0 }).collect()
 }
 
 #[test]
@@ -49,25 +58,29 @@ fn a_crack_across_a_bar_leaves_two_pieces_and_a_plane_between_them() {
         (PropagationRule::SingleElement, 0.4),
     ] {
         let mut specimen = Specimen::new(&bar([9, 4, 4]), 0.25);
-        let before = specimen.totals();
-        let (point_m, normal) = (DVec3::new(0.1, 0.0, 0.0), DVec3::new(1.0, 0.0, slope).normalize());
+        let normal = DVec3::new(1.0, 0.1, slope).normalize();
         let settings = Propagation { rule, ..Propagation::default() };
+        // The node in the middle of the upper side.
+        let is_seed = |x: &DVec3| x.distance(DVec3::new(0.5, 0.0, 2.0)) < 1e-9;
+        let seed = specimen.positions_m.iter().position(is_seed).unwrap();
+        let point_m = specimen.positions_m[seed];
+        specimen.cut(seed as u32, normal, &settings);
         let mut steps = 0;
         while specimen.solid.fragments().list().len() == 1 {
-            let failures = failures_across(&specimen, point_m, normal);
+            let failures = failures_at_tip(&specimen, point_m, normal);
             propagate(&mut specimen, &failures, &settings, |_| true);
             assert_sound(&specimen);
             steps += 1;
             assert!(steps < 40, "{rule:?} {slope}: the crack does not get through");
         }
-        assert_same(&before, &specimen.totals());
         let (area, farthest_m) = crack_shape(&specimen, point_m, normal);
         let ratio = area / (16.0 / normal.x);
         println!("{rule:?} {slope}: {steps} steps, area {ratio:.3}, off the plane by {farthest_m:.3} cells");
         let masses: Vec<f64> = specimen.solid.fragments().list().iter().map(|f| f.mass_kg).collect();
-        let total_kg: f64 = masses.iter().sum();
-        assert!(masses[1] > 0.35 * total_kg, "{masses:?}");
-        assert!(ratio < 1.5 && farthest_m < 1.0, "{rule:?} {slope}: {ratio} {farthest_m}");
+        assert!(masses[1] > 0.35 * masses.iter().sum::<f64>(), "{masses:?}");
+        // Across the grain of so coarse a mesh a crack makes steps.
+        let (most, far_m) = if slope == 0.0 { (1.05, 0.25) } else { (1.9, 1.2) };
+        assert!(ratio < most && farthest_m < far_m, "{rule:?} {slope}: {ratio} {farthest_m}");
     }
 }
 
@@ -106,18 +119,19 @@ fn failures_of_a_node_are_averaged_with_signs_aligned_and_conjugates_kept_apart(
     let specimen = Specimen::new(&bar([3, 3, 3]), 0.25);
     let node = specimen.solid.tets()[81][0];
     let at_node = specimen.solid.elements_at(node).to_vec();
-    let tilted = [DVec3::new(1.0, 0.2, 0.0), DVec3::new(-1.0, 0.2, 0.0), DVec3::new(1.0, 0.0, 0.0)];
-    let conjugate = DVec3::new(0.1, 0.0, 1.0).normalize();
-    let mut failures: Vec<Failure> = at_node
+    // One family of normals with mixed signs, its mean along x; and the worst one, across it.
+    let family = [DVec3::new(1.0, 0.2, 0.0), DVec3::new(-1.0, 0.2, 0.0), DVec3::new(1.0, 0.0, 0.0)];
+    let normals = family.into_iter().chain([DVec3::new(0.1, 0.0, 1.0)]).map(DVec3::normalize);
+    let failures: Vec<Failure> = at_node
         .iter()
-        .zip(tilted)
-        .map(|(&element, normal)| Failure { element, normal: normal.normalize(), index: 1.0 })
+        .zip(normals)
+        .zip([1.0, 1.0, 1.0, 2.0])
+        .map(|((&element, normal), index)| Failure { element, normal, index })
         .collect();
-    failures.push(Failure { element: at_node[3], normal: conjugate, index: 2.0 });
     let mut cut = specimen.clone();
     let changes = propagate(&mut cut, &failures, &Propagation::default(), |_| true);
-    let of_node = changes.cuts.iter().find(|c| c.node == node).unwrap();
-    assert!((of_node.normal.x - 1.0).abs() < 1e-3 && of_node.normal.z == 0.0, "{}", of_node.normal);
+    let normal = changes.cuts[0].normal;
+    assert!(normal.x > 0.999 && normal.z == 0.0, "{normal}");
 }
 
 #[test]
@@ -154,10 +168,10 @@ fn same_failures_same_result_whatever_their_order() {
     let mut random = Random(5);
     let mut specimen = Specimen::random(&mut random);
     let mut other = specimen.clone();
-    for _ in 0..10 {
+    for round in 0..10 {
         let mut failures: Vec<Failure> = specimen
             .elements()
-            .filter(|_| random.below(3) == 0)
+            .filter(|element| element % 3 == round % 3)
             .map(|element| Failure {
                 element,
                 normal: random.direction(),
@@ -177,23 +191,26 @@ fn cracks_wait_for_their_pace_and_say_so() {
     let mut specimen = Specimen::new(&bar([5, 4, 4]), 0.25);
     let mut pace = CrackPace::new(100.0, specimen.solid.tets().len());
     let settings = Propagation::default();
-    let mut advances = Vec::new();
-    for step in 0..60 {
-        let time_s = f64::from(step) * 2e-3;
-        let failures = failures_across(&specimen, DVec3::new(0.1, 0.0, 0.0), DVec3::X);
-        let worst: Vec<Failure> = failures.into_iter().filter(|f| f.index > 1.15 || step > 0).collect();
-        let changes = propagate(&mut specimen, &worst, &settings, |element| pace.may_crack(element, time_s));
+    let seed =
+        specimen.positions_m.iter().position(|x| x.distance(DVec3::new(0.5, 0.0, 2.0)) < 1e-9).unwrap();
+    let point_m = specimen.positions_m[seed];
+    let normal = DVec3::new(1.0, 0.1, 0.0).normalize();
+    let changes = specimen.cut(seed as u32, normal, &settings);
+    pace.record(&changes, 0.0);
+    let (mut steps, mut waits) = (0, 0);
+    while specimen.solid.fragments().list().len() == 1 {
+        steps += 1;
+        assert!(steps < 100, "the crack does not get through");
+        let time_s = f64::from(steps) * 2e-3;
+        let failures = failures_at_tip(&specimen, point_m, normal);
+        let changes =
+            propagate(&mut specimen, &failures, &settings, |element| pace.may_crack(element, time_s));
         pace.record(&changes, time_s);
-        if !changes.crack_faces.is_empty() {
-            advances.push(time_s);
-        }
-        if step == 1 {
-            assert!(changes.cuts.len() < 6 && changes.limits.waiting > 0, "{:?}", changes.limits);
-        }
+        waits += u32::from(changes.cuts.is_empty() && changes.limits.waiting > 0);
     }
-    // A ring is at least a cell wide: at 100 m/s, 4 cells take several waits of 10 ms.
-    assert!(advances.len() > 2 && advances[advances.len() - 1] > 0.01, "{advances:?}");
-    assert!(specimen.solid.fragments().list().len() > 1);
+    // At 100 m/s a crack needs 40 ms for the 4 m to the far side, give or take a ring.
+    let time_s = f64::from(steps) * 2e-3;
+    assert!((0.025..0.08).contains(&time_s) && waits > 5, "{time_s} s, {waits} waits");
 }
 
 #[test]
