@@ -77,7 +77,8 @@ impl Solid {
         nodes
     }
 
-    fn is_tip(&self, node: u32) -> bool {
+    /// Whether a crack ends at the node.
+    pub(super) fn is_tip(&self, node: u32) -> bool {
         let faces: Vec<SurfaceFace> = self.crack_faces_at(node).collect();
         faces.iter().any(|face| ends_here(face, &faces))
     }

@@ -263,7 +263,8 @@ impl Criterion {
         self.rules.iter().map(|rule| rule.strength.safe_norm_pa()).fold(f64::INFINITY, f64::min)
     }
 
-    /// How near to failure a state is.
+    /// How near to failure a state is. A stress that is not finite does not fail: who steps the
+    /// elements stops there first.
     ///
     /// # Errors
     /// A formula that cannot be evaluated for this state, with the place.

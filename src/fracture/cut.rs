@@ -1,10 +1,13 @@
 //! Cutting the elements around one node by a plane through it: geometry first, topology second.
 //!
 //! 1. Nodes around it that lie nearly on the plane count as on it; so do those of a surface that
-//!    runs nearly along the plane, and those of the crack that ends at the node.
-//! 2. Every edge opposite the node that still crosses the plane is bisected there, or, where that
-//!    would leave too small an element, snapped: its nearer end counts as on the plane.
-//! 3. The elements are now above or below; faces between the two kinds crack.
+//!    runs nearly along the plane, those of the crack that ends at the node, and tips of cracks
+//!    beside it.
+//! 2. Every edge opposite the node that still crosses the plane, where no crack covers it already,
+//!    is bisected there, or, where that would leave too small an element, snapped: its nearer end
+//!    counts as on the plane.
+//! 3. The elements are now above or below, those behind the tip of a crack by its own sides; faces
+//!    between the two kinds crack.
 //! 4. Fragments are told apart, and nodes that nothing holds together any more are doubled.
 
 use super::changes::NodeCut;
@@ -14,6 +17,10 @@ use glam::DVec3;
 
 /// Least share of each arm in a direction between them; leaves out the arms themselves.
 const BETWEEN: f64 = 1e-6;
+
+/// A crack that ends at a neighbouring node is joined if that node lies off the plane by no more
+/// than this share of its distance.
+const JOIN: f64 = 0.7;
 
 /// A crack face tells the side of its element if the cosine of its slope to the plane exceeds this.
 const CLEAR_SIDE: f64 = 0.25;
@@ -137,6 +144,13 @@ impl Surgery<'_> {
         }
         let at_m = self.nodes.positions_m[star.node as usize];
         let sin = self.settings.surface_snap_rad.sin();
+        for link in &mut star.link {
+            // Cracks beside each other join rather than run on abreast.
+            let arm_m = self.nodes.positions_m[link.node as usize] - at_m;
+            if link.distance_m.abs() <= JOIN * arm_m.length() && self.solid.is_tip(link.node) {
+                link.snapped_m = 0.0;
+            }
+        }
         let faces: Vec<SurfaceFace> = self.solid.surface_at(star.node).collect();
         for face in &faces {
             let mut others: Vec<u32> = face.nodes.into_iter().filter(|&corner| corner != star.node).collect();
