@@ -6,14 +6,15 @@
 //!                             mesh, fem, contact ┘ └ commands (viewer)
 //! ```
 //!
-//! Imports point one way: [`math`], [`mesh`]; then [`fem`] and [`contact`], which do not know each
-//! other; then [`sim`], [`scene`]; [`frame`] is the seam that `sim` writes and [`render`] reads;
+//! Imports point one way: [`math`], [`mesh`]; then [`fem`], [`contact`] and [`fracture`], which do not
+//! know each other; then [`sim`], [`scene`]; [`frame`] is the seam that `sim` writes and [`render`] reads;
 //! [`export`], [`viewer`] and [`cli`] stand on top. A test checks these arrows.
 
 pub mod cli;
 pub mod contact;
 pub mod export;
 pub mod fem;
+pub mod fracture;
 pub mod frame;
 pub mod io_reason;
 pub mod math;

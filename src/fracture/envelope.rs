@@ -1,0 +1,236 @@
+//! The failure surface in the space of principal stresses, for drawing (thesis Fig. 6.2).
+//!
+//! A state is `p (1,1,1) + r (cos t e_1 + sin t e_2)`: mean stress p, distance r from the
+//! hydrostatic axis and angle t around it, counted from the projection of the s1 axis, with
+//! `e_1 = (2,-1,-1)/sqrt6`, `e_2 = (0,1,-1)/sqrt2`. Surfaces are found along rays of constant p and
+//! t from the axis outward; the first crossing counts.
+
+use super::criterion::{Criterion, CriterionError};
+use super::stress::StressMeasures;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Steps in which a ray is searched for its first crossing, and halvings that pin it down.
+const RAY_STEPS: u32 = 64;
+const HALVINGS: u32 = 50;
+
+/// Part of the principal stress space to draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnRange {
+    /// Lowest and highest mean stress, Pa.
+    pub mean_pa: [f64; 2],
+    /// How far from the hydrostatic axis to look, Pa.
+    pub reach_pa: f64,
+}
+
+/// A failure surface as a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EnvelopeMesh {
+    /// Points `(s1, s2, s3)` in any order of size, Pa.
+    pub points_pa: Vec<DVec3>,
+    /// Triangles, the safe side behind them.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// The point at mean stress, distance from the axis and angle around it, Pa and radians.
+#[must_use]
+pub fn principal_point_pa(mean_pa: f64, distance_pa: f64, angle_rad: f64) -> DVec3 {
+    let first = DVec3::new(2.0, -1.0, -1.0) / 6.0_f64.sqrt();
+    let second = DVec3::new(0.0, 1.0, -1.0) / 2.0_f64.sqrt();
+    let (sin, cos) = angle_rad.sin_cos();
+    DVec3::splat(mean_pa) + distance_pa * (cos * first + sin * second)
+}
+
+/// Deviatoric section at a mean stress: distance from the axis, Pa, at `count` equally spaced
+/// angles from 0 on. `None` where the surface is farther than `reach_pa`; zero where the axis
+/// itself fails.
+///
+/// # Errors
+/// A formula that cannot be evaluated somewhere on the way.
+pub fn deviatoric_section(
+    criterion: &Criterion,
+    mean_pa: f64,
+    count: u32,
+    reach_pa: f64,
+) -> Result<Vec<Option<f64>>, CriterionError> {
+    let angle = |index: u32| TAU * f64::from(index) / f64::from(count);
+    (0..count).map(|index| distance_to_failure_pa(criterion, mean_pa, angle(index), reach_pa)).collect()
+}
+
+/// Meridian at an angle around the axis: `[mean stress, distance from the axis]`, Pa, at
+/// `count >= 2` equally spaced mean stresses, without the points that are out of reach.
+///
+/// # Errors
+/// As for [`deviatoric_section`].
+pub fn meridian(
+    criterion: &Criterion,
+    angle_rad: f64,
+    count: u32,
+    range: &DrawnRange,
+) -> Result<Vec<[f64; 2]>, CriterionError> {
+    let mut points = Vec::new();
+    for mean_pa in means_pa(criterion, count, range)? {
+        let distance_pa = distance_to_failure_pa(criterion, mean_pa, angle_rad, range.reach_pa)?;
+        points.extend(distance_pa.map(|distance_pa| [mean_pa, distance_pa]));
+    }
+    Ok(points)
+}
+
+/// The surface over a range, `sections >= 2` sections of `around >= 3` points; open where it is
+/// out of reach, closed at its apex if the range holds it.
+///
+/// # Errors
+/// As for [`deviatoric_section`].
+pub fn envelope_mesh(
+    criterion: &Criterion,
+    [sections, around]: [u32; 2],
+    range: &DrawnRange,
+) -> Result<EnvelopeMesh, CriterionError> {
+    let mut mesh = EnvelopeMesh::default();
+    let mut before: Option<Vec<Option<u32>>> = None;
+    for mean_pa in means_pa(criterion, sections, range)? {
+        let distances_pa = deviatoric_section(criterion, mean_pa, around, range.reach_pa)?;
+        let mut row = Vec::with_capacity(around as usize);
+        for (index, distance_pa) in (0_u32..).zip(distances_pa) {
+            let angle_rad = TAU * f64::from(index) / f64::from(around);
+            row.push(distance_pa.map(|distance_pa| {
+                mesh.points_pa.push(principal_point_pa(mean_pa, distance_pa, angle_rad));
+                mesh.points_pa.len() as u32 - 1
+            }));
+        }
+        if let Some(before) = before {
+            mesh.add_band(&before, &row);
+        }
+        before = Some(row);
+    }
+    Ok(mesh)
+}
+
+impl EnvelopeMesh {
+    fn add_band(&mut self, low: &[Option<u32>], high: &[Option<u32>]) {
+        for index in 0..low.len() {
+            let next = (index + 1) % low.len();
+            if let (Some(a), Some(b), Some(c), Some(d)) = (low[index], low[next], high[next], high[index]) {
+                self.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+}
+
+/// Equally spaced mean stresses of the range, which ends at the apex if that comes first.
+fn means_pa(criterion: &Criterion, count: u32, range: &DrawnRange) -> Result<Vec<f64>, CriterionError> {
+    let [low_pa, high_pa] = range.mean_pa;
+    let apex = first_crossing(high_pa - low_pa, |above_pa| excess(criterion, low_pa + above_pa, 0.0, 0.0))?;
+    let height_pa = apex.unwrap_or(high_pa - low_pa);
+    let last = count.max(2) - 1;
+    Ok((0..=last).map(|index| low_pa + height_pa * f64::from(index) / f64::from(last)).collect())
+}
+
+/// Distance from the hydrostatic axis at which failure begins, Pa.
+fn distance_to_failure_pa(
+    criterion: &Criterion,
+    mean_pa: f64,
+    angle_rad: f64,
+    reach_pa: f64,
+) -> Result<Option<f64>, CriterionError> {
+    first_crossing(reach_pa, |distance_pa| excess(criterion, mean_pa, distance_pa, angle_rad))
+}
+
+fn excess(
+    criterion: &Criterion,
+    mean_pa: f64,
+    distance_pa: f64,
+    angle_rad: f64,
+) -> Result<f64, CriterionError> {
+    let stress = StressMeasures::of(principal_point_pa(mean_pa, distance_pa, angle_rad));
+    // The index less one has the sign of the failure function, whatever rule governs.
+    Ok(criterion.assess(&stress)?.index - 1.0)
+}
+
+/// Smallest `x` in `[0, reach]` where the function is no longer negative.
+fn first_crossing<E>(reach: f64, f: impl Fn(f64) -> Result<f64, E>) -> Result<Option<f64>, E> {
+    let mut safe = 0.0;
+    if f(safe)? >= 0.0 {
+        return Ok(Some(0.0));
+    }
+    for step in 1..=RAY_STEPS {
+        let mut failed = reach * f64::from(step) / f64::from(RAY_STEPS);
+        if f(failed)? < 0.0 {
+            safe = failed;
+            continue;
+        }
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(safe, failed);
+            if f(middle)? < 0.0 { safe = middle } else { failed = middle }
+        }
+        return Ok(Some(failed));
+    }
+    Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fracture::Strength;
+    use std::f64::consts::{FRAC_PI_3, FRAC_PI_6};
+
+    const K: f64 = 1e6;
+    const RANGE: DrawnRange = DrawnRange { mean_pa: [-5.0 * K, 5.0 * K], reach_pa: 50.0 * K };
+
+    fn criterion(strength: Strength) -> Criterion {
+        Criterion::single(strength).unwrap()
+    }
+
+    fn section(strength: Strength, mean_pa: f64) -> Vec<f64> {
+        let found = deviatoric_section(&criterion(strength), mean_pa, 12, RANGE.reach_pa).unwrap();
+        found.into_iter().map(|distance| distance.unwrap() / K).collect()
+    }
+
+    #[test]
+    fn sections_are_circle_hexagon_and_triangle() {
+        let root2 = 2.0_f64.sqrt();
+        // r = sqrt(2 J2): a circle for von Mises.
+        let mises = section(Strength::VonMises { shear_strength_pa: K }, -K);
+        assert!(mises.iter().all(|r| (r - root2).abs() < 1e-9), "{mises:?}");
+        // Tresca: a regular hexagon around it that touches it in pure shear (30 degrees).
+        let tresca = section(Strength::Tresca { shear_strength_pa: K }, -K);
+        for (index, r) in tresca.iter().enumerate() {
+            let expected = if index % 2 == 0 { root2 / FRAC_PI_6.cos() } else { root2 };
+            assert!((r - expected).abs() < 1e-9, "{tresca:?}");
+        }
+        // Rankine: a triangle; s1 = p + r sqrt(2/3) along the s1 axis, half of that behind it.
+        let tensile = section(Strength::Tensile { tensile_strength_pa: K }, 0.0);
+        assert!((tensile[0] - 1.5_f64.sqrt()).abs() < 1e-9);
+        assert!((tensile[2] - 6.0_f64.sqrt()).abs() < 1e-9, "{tensile:?}");
+    }
+
+    #[test]
+    fn meridians_are_straight_and_end_at_the_apex() {
+        let friction_angle_rad = 0.5;
+        let cone = criterion(Strength::MohrCoulomb { cohesion_pa: K, friction_angle_rad });
+        for angle_rad in [0.0, FRAC_PI_3] {
+            let points = meridian(&cone, angle_rad, 9, &RANGE).unwrap();
+            let [apex_pa, at_apex_pa] = *points.last().unwrap();
+            assert!((apex_pa - K / friction_angle_rad.tan()).abs() < 1e-3, "{apex_pa}");
+            assert!(at_apex_pa < 1e-3);
+            let [first, middle] = [points[0][1], points[4][1]];
+            assert!((first - 2.0 * middle).abs() < 1e-6 * first);
+        }
+    }
+
+    #[test]
+    fn meshes_look_outward_and_leave_out_what_is_out_of_reach() {
+        let mesh =
+            envelope_mesh(&criterion(Strength::VonMises { shear_strength_pa: K }), [3, 24], &RANGE).unwrap();
+        assert_eq!((mesh.points_pa.len(), mesh.triangles.len()), (72, 96));
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|index| mesh.points_pa[index as usize]);
+            let outward = (a + b + c) / 3.0 - DVec3::splat((a + b + c).element_sum() / 9.0);
+            assert!((b - a).cross(c - a).dot(outward) > 0.0);
+        }
+        let near = DrawnRange { reach_pa: 0.5 * K, ..RANGE };
+        let none =
+            envelope_mesh(&criterion(Strength::Tresca { shear_strength_pa: K }), [3, 24], &near).unwrap();
+        assert!(none.triangles.is_empty());
+    }
+}
