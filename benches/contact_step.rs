@@ -15,7 +15,7 @@ use hammerfall::contact::constraint::Feature;
 use hammerfall::contact::response::{
     ContactNode, NodeTable, ResponseParameters, ResponseReport, set_targets, solve, sort_by_place,
 };
-use hammerfall::contact::{BodyView, CollisionList, Constraint, ContactSurface, PairView, detect};
+use hammerfall::contact::{BodyView, CollisionList, Constraint, ContactSurface, Near, PairView};
 use hammerfall::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
 use hammerfall::mesh::{Surface, TetMesh};
 use hammerfall::sim::{
@@ -129,9 +129,14 @@ impl Press {
             positions_m: &b.positions_m,
             velocities_m_s: &b.velocities_m_s,
         });
-        let pair = PairView { bodies: [0, 1], views, candidates, friction_coefficient: 0.3 };
+        let list = CollisionList::default();
+        let step_s = self.step_s;
+        let pair =
+            PairView { bodies: [0, 1], views, candidates, friction_coefficient: 0.3, step_s, list: &list };
+        let fastest_m_s = self.bodies.iter().flat_map(|b| &b.velocities_m_s);
+        let fastest_m_s = fastest_m_s.map(|v| v.length()).fold(0.0, f64::max);
         let mut found = Vec::new();
-        detect(&pair, self.step_s, &CollisionList::default(), &mut found);
+        Near::of(&pair, fastest_m_s * step_s, 0.0).find(&pair, &mut found);
         found
     }
 

@@ -229,3 +229,62 @@ pub(super) fn share_of_blow(stored_j: f64, work_j: f64, square_j: f64) -> f64 {
     let root = (linear_j * linear_j + 4.0 * square_j * stored_j).sqrt();
     ((root - linear_j) / (2.0 * square_j)).clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::constraint::Geometry;
+    use super::*;
+
+    /// A node of body 0 at (x, 0.3) on the plane z = 0 of body 1.
+    fn pair(node: u32, x: f64, energy_j: f64) -> Constraint {
+        let place_m = DVec3::new(x, 0.3, 0.0);
+        let g = Geometry::node_on_patch(place_m, [DVec3::ZERO, DVec3::X, DVec3::Y]).unwrap();
+        Constraint {
+            bodies: [0, 1],
+            feature: Feature::NodeOnPatch { node, triangle: 0 },
+            nodes: [(0, node), (1, 0), (1, 1), (1, 2)],
+            weights: g.weights,
+            weight_shifts_per_m: g.weight_shifts_per_m,
+            normal: g.normal,
+            gap_m: 0.0,
+            place_m,
+            size_m: 0.1,
+            friction_coefficient: 0.0,
+            closing_m_s: 0.0,
+            may_bounce: true,
+            stored: ImpactStore { energy_j, speed_m_s: energy_j.sqrt() },
+            target_m_s: 0.0,
+            impulse_n_s: DVec3::ZERO,
+        }
+    }
+
+    #[test]
+    fn a_store_stays_with_its_node_and_passes_to_the_nearest_pair_when_that_is_gone() {
+        let stores = ImpactStores::of(&[pair(3, 0.2, 4.0), pair(5, 0.4, 1.0)], 1.0);
+        let mut next = [pair(7, 0.25, 0.0), pair(3, 0.41, 0.0)];
+        stores.hand_over(&mut next);
+        assert_eq!(next.map(|c| c.stored.energy_j), [0.0, 5.0]);
+        let mut other_pair = [pair(7, 0.25, 0.0)];
+        stores.hand_over(&mut other_pair);
+        assert_eq!(other_pair[0].stored.energy_j, 5.0);
+        let mut far = [pair(7, 0.95, 0.0)];
+        stores.hand_over(&mut far);
+        assert!(!far[0].stored.is_filled());
+    }
+
+    #[test]
+    fn a_place_rebounds_only_when_none_of_its_pairs_presses() {
+        let mut pairs = [pair(1, 0.2, 4.0), pair(2, 0.3, 0.0), pair(3, 0.9, 1.0)];
+        assert_eq!(rebound_speeds_m_s(&pairs), [2.0, 2.0, 1.0]);
+        pairs[1].impulse_n_s = DVec3::Z;
+        assert_eq!(rebound_speeds_m_s(&pairs), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_blow_is_cut_to_the_energy_there_is() {
+        // s (5 - 3) + 3 s^2 = 1
+        assert!((share_of_blow(1.0, 5.0, 3.0) - 1.0 / 3.0).abs() < 1e-15);
+        assert_eq!(share_of_blow(6.0, 5.0, 3.0), 1.0);
+        assert_eq!(share_of_blow(0.0, 5.0, 3.0), 0.0);
+    }
+}

@@ -222,16 +222,20 @@ fn settle(
 ) -> ResponseReport {
     let mut report = ResponseReport::default();
     let mut memory = Anderson::default();
-    while report.passes < most_passes {
-        report.last_change = one_pass(rows, constraints, table, &mut memory);
+    loop {
+        let pass = Pass::over(rows, constraints, table);
+        report.last_change = pass.relative_change();
         report.passes += 1;
         let is_settled = report.last_change < p.tolerance;
-        let is_time = report.passes >= p.passes * PATIENCE;
-        if (is_settled || is_time) && (report.last_change < 1e-12 || !penetrates(rows, constraints, table, p.step_s)) {
-            break;
+        let is_time = is_settled || report.passes >= p.passes * PATIENCE;
+        let is_done =
+            is_time && (report.last_change < 1e-12 || !penetrates(rows, constraints, table, p.step_s));
+        // The last word has a plain pass, in which every pair obeys its law.
+        if is_done || report.passes >= most_passes {
+            return report;
         }
+        memory.accelerate(rows, constraints, table, pass);
     }
-    report
 }
 
 /// Aims all pairs of the places that open and have stored an impact at a velocity a little above that of a full
@@ -272,25 +276,6 @@ fn deal_blows(
         let start_m_s = before.start_velocity_m_s + before.inverse_mass_per_kg * before.impulse_n_s;
         square_j += 0.5 * impulse.dot(made_m_s);
         work_j += impulse.dot(start_m_s + made_m_s * 0.5);
-    }
-    if std::env::var("DBG").is_ok() {
-        for (i, c) in constraints.iter().enumerate() {
-            println!(
-                "  {} {:?} {:?} n={:.2?} x={:.4?} size={:.4} E={:.3e} e={:.2} imp={:.2e}->{:.2e} gap={:.2e}",
-                if aimed.contains(&i) { '*' } else { ' ' },
-                c.bodies,
-                c.feature,
-                c.normal.to_array(),
-                c.place_m.to_array(),
-                c.size_m,
-                c.stored.energy_j,
-                c.stored.speed_m_s,
-                impulses[i].length(),
-                c.impulse_n_s.length(),
-                c.gap_m / c.size_m
-            );
-        }
-        println!("  blow spent={spent_j:.3e} work={work_j:.3e} sq={square_j:.3e}");
     }
     let mut share = share_of_blow(spent_j, work_j, square_j);
     if share < OBSTRUCTED {
@@ -420,6 +405,8 @@ fn start_evenly(rows: &[PairRow], constraints: &mut [Constraint], table: &mut No
 
 /// Changes of how many passes are remembered.
 const DEPTH: usize = 4;
+/// How many times the last change one may go on without a look at the laws of the pairs.
+const FURTHEST: f64 = 5.0;
 
 /// What the passes so far tell about the next ones (D. G. Anderson, J. ACM 12, 1965): how their changes depend on the
 /// impulses they started from.
@@ -431,23 +418,29 @@ struct Anderson {
     differences: Vec<(Vec<DVec3>, Vec<DVec3>)>,
 }
 
-/// One pass over the pairs; returns the largest change over the largest multiplier.
-fn one_pass(
-    rows: &[PairRow],
-    constraints: &mut [Constraint],
-    table: &mut NodeTable,
-    memory: &mut Anderson,
-) -> f64 {
-    let before: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
-    for row in rows.iter().chain(rows.iter().rev()) {
-        row.relax(&mut constraints[row.index], table);
+/// One pass over the pairs, forth and back: the impulses after it and their changes.
+struct Pass {
+    impulses: Vec<DVec3>,
+    change: Vec<DVec3>,
+}
+
+impl Pass {
+    fn over(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) -> Self {
+        let before: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
+        for row in rows.iter().chain(rows.iter().rev()) {
+            row.relax(&mut constraints[row.index], table);
+        }
+        let impulses: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
+        let change = difference(&impulses, &before);
+        Self { impulses, change }
     }
-    let after: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
-    let change: Vec<DVec3> = after.iter().zip(&before).map(|(new, old)| *new - *old).collect();
-    let largest = |it: &[DVec3]| it.iter().map(|x| x.length()).fold(0.0, f64::max);
-    let (largest_change, largest_impulse) = (largest(&change), largest(&after));
-    memory.accelerate(rows, constraints, table, (after, change));
-    if largest_impulse > 0.0 { largest_change / largest_impulse } else { 0.0 }
+
+    /// The largest change over the largest multiplier.
+    fn relative_change(&self) -> f64 {
+        let largest = |it: &[DVec3]| it.iter().map(|x| x.length()).fold(0.0, f64::max);
+        let largest_impulse = largest(&self.impulses);
+        if largest_impulse > 0.0 { largest(&self.change) / largest_impulse } else { 0.0 }
+    }
 }
 
 impl Anderson {
@@ -458,9 +451,13 @@ impl Anderson {
         rows: &[PairRow],
         constraints: &mut [Constraint],
         table: &mut NodeTable,
-        (impulses, change): (Vec<DVec3>, Vec<DVec3>),
+        Pass { impulses, change }: Pass,
     ) {
         if let Some((last_impulses, last_change)) = self.last.take() {
+            if dot(&change, &change) > dot(&last_change, &last_change) {
+                // A pair that opens or slips has changed the law the differences were learnt from.
+                self.differences.clear();
+            }
             self.learn(difference(&impulses, &last_impulses), difference(&change, &last_change));
         }
         let mut further = vec![DVec3::ZERO; rows.len()];
@@ -468,7 +465,8 @@ impl Anderson {
             let share = dot(of_change, &change);
             further.iter_mut().zip(of_impulses).for_each(|(f, d)| *f -= *d * share);
         }
-        for (row, further) in rows.iter().zip(&further) {
+        let too_far = dot(&further, &further) > FURTHEST * FURTHEST * dot(&change, &change);
+        for (row, further) in rows.iter().zip(&further).filter(|_| !too_far) {
             let c = &mut constraints[row.index];
             if *further != DVec3::ZERO && c.allows(c.impulse_n_s + *further) {
                 c.impulse_n_s += *further;
