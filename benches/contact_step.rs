@@ -167,6 +167,9 @@ impl Press {
     }
 }
 
+/// Seconds that a world spent in a phase.
+type PhaseOf = fn(&PhaseTimes) -> f64;
+
 /// The phases of a step of a whole world in which the two boxes press on each other.
 pub fn world_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("world_step");
@@ -180,7 +183,7 @@ pub fn world_step(criterion: &mut Criterion) {
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.expect("threads can be started");
-            let phases: [(&str, fn(&PhaseTimes) -> f64); 2] =
+            let phases: [(&str, PhaseOf); 2] =
                 [("elastic", |t| t.elastic_s), ("contact", |t| t.detection_s + t.response_s)];
             for (name, time_of) in phases {
                 let id = BenchmarkId::new(format!("{name}/{threads}-threads"), elements);
