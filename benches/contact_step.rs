@@ -12,9 +12,8 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, measurement:
 use glam::DVec3;
 use hammerfall::contact::candidates::{Candidates, SurfaceBoxes, between};
 use hammerfall::contact::constraint::Feature;
-use hammerfall::contact::response::{
-    ContactNode, NodeTable, ResponseParameters, ResponseReport, set_targets, solve, sort_by_place,
-};
+use hammerfall::contact::nodes::{ContactNode, NodeTable};
+use hammerfall::contact::response::{ResponseParameters, ResponseReport, set_targets, solve, sort_by_place};
 use hammerfall::contact::{BodyView, CollisionList, Constraint, ContactSurface, Near, PairView};
 use hammerfall::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
 use hammerfall::mesh::{Surface, TetMesh};

@@ -10,6 +10,8 @@ pub mod constraint;
 pub mod detect;
 pub mod geometry;
 pub mod impact;
+pub mod nodes;
+mod passes;
 pub mod response;
 pub mod surface;
 pub mod time_of_impact;

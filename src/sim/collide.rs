@@ -4,9 +4,9 @@ use super::body::{Body, Regime};
 use super::broad::{NearPair, fastest_m_s};
 use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
+use crate::contact::nodes::{ContactNode, NodeTable};
 use crate::contact::response::{
-    ContactNode, NodeTable, ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets,
-    solve, sort_by_place,
+    ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets, solve, sort_by_place,
 };
 use crate::contact::{BodyView, CollisionList, Constraint, Near, PairView};
 use glam::DVec3;
