@@ -18,5 +18,5 @@ pub mod time_of_impact;
 
 pub use collision_list::CollisionList;
 pub use constraint::Constraint;
-pub use detect::{BodyView, Near, PairView};
+pub use detect::{BodyView, Near, PairDepths, PairView};
 pub use surface::ContactSurface;

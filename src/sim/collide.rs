@@ -8,7 +8,7 @@ use crate::contact::nodes::{ContactNode, NodeTable};
 use crate::contact::response::{
     ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets, solve, sort_by_place,
 };
-use crate::contact::{BodyView, CollisionList, Constraint, Near, PairView};
+use crate::contact::{BodyView, CollisionList, Constraint, Near, PairDepths, PairView};
 use glam::DVec3;
 
 /// Rounds of "respond, look whether the correction closed a pair that was left out".
@@ -58,6 +58,10 @@ impl ContactScene<'_> {
             friction_coefficient: self.friction(pair.bodies),
             step_s: self.step_s,
             list: self.list,
+            depths: match self.parameters.method {
+                ContactMethod::Penalty { .. } => PairDepths::SPRINGS,
+                ContactMethod::Lagrange { .. } => PairDepths::CONSTRAINED,
+            },
         }
     }
 
