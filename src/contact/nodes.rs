@@ -94,6 +94,14 @@ impl NodeTable {
         }
     }
 
+    /// Takes back all but a share of what has been applied since `saved`; above 1 it goes beyond.
+    pub(super) fn keep_share(&mut self, saved: &[ContactNode], share: f64) {
+        for (node, saved) in self.nodes.iter_mut().zip(saved) {
+            node.velocity_m_s = saved.velocity_m_s.lerp(node.velocity_m_s, share);
+            node.impulse_n_s = saved.impulse_n_s.lerp(node.impulse_n_s, share);
+        }
+    }
+
     /// Diagonal of the pair's block: `sum_i w_i^2 / m_i` along x, y, z, 1/kg.
     pub(super) fn block(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
         let rows = self.rows[row].iter().zip(weights);

@@ -92,10 +92,7 @@ fn start_as_before(rows: &[PairRow], constraints: &mut [Constraint], table: &mut
         table.nodes = saved;
         return false;
     }
-    for (node, saved) in table.nodes.iter_mut().zip(&saved) {
-        node.velocity_m_s = saved.velocity_m_s.lerp(node.velocity_m_s, scale);
-        node.impulse_n_s = saved.impulse_n_s.lerp(node.impulse_n_s, scale);
-    }
+    table.keep_share(&saved, scale);
     constraints.iter_mut().for_each(|c| c.impulse_n_s *= scale);
     true
 }

@@ -47,7 +47,8 @@ pub struct ResponseReport {
     /// Passes taken to solve the pairs; where some of them opened with a blow and all were solved again, the
     /// larger number.
     pub passes: u32,
-    /// Largest change of a multiplier in the last pass over the largest multiplier.
+    /// Largest change of a multiplier in the last pass over the largest multiplier; without the passes of a blow,
+    /// which is cut to its energy.
     pub last_change: f64,
     /// Energy taken from the nodes by friction and impact, J.
     pub dissipated_j: f64,
@@ -67,9 +68,7 @@ pub fn sort_by_place(constraints: &mut [Constraint]) {
 
 /// Solves the constraints: sets their impulses, what they have stored, and the velocities in the table.
 ///
-/// A pass goes forth and back over the pairs. Passes learn from each other (Anderson acceleration, which amounts to
-/// conjugate gradients while no pair opens or slips; Zywicz and Puso, IJNME 44, 1999, accelerate in that way), and start from
-/// the impulses of the last step or, at an impact, from such as would be exact if all pairs needed the same.
+/// `passes.rs` says how the passes go; the impulses that the constraints carry are their first guess.
 pub fn solve(
     constraints: &mut [Constraint],
     table: &mut NodeTable,
@@ -141,10 +140,7 @@ fn deal_blows(
     for (c, before) in constraints.iter_mut().zip(&impulses) {
         c.impulse_n_s = before.lerp(c.impulse_n_s, share);
     }
-    for (node, before) in table.nodes.iter_mut().zip(&nodes) {
-        node.impulse_n_s = before.impulse_n_s.lerp(node.impulse_n_s, share);
-        node.velocity_m_s = before.velocity_m_s.lerp(node.velocity_m_s, share);
-    }
+    table.keep_share(&nodes, share);
     (share > 0.0).then_some(report)
 }
 
