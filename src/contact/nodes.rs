@@ -94,6 +94,27 @@ impl NodeTable {
         }
     }
 
+    /// Adds to changes of the nodes' velocities, m/s, what an impulse of a constraint would do.
+    pub(super) fn add_change(
+        &self,
+        changes_m_s: &mut [DVec3],
+        (row, weights): (usize, &[f64; 4]),
+        impulse_n_s: DVec3,
+    ) {
+        for (i, w) in self.rows[row].into_iter().zip(weights) {
+            changes_m_s[i] += self.nodes[i].inverse_mass_per_kg * impulse_n_s * *w;
+        }
+    }
+
+    /// Relative velocity of a constraint that goes with changes of the nodes' velocities, m/s.
+    pub(super) fn change_between(
+        &self,
+        changes_m_s: &[DVec3],
+        (row, weights): (usize, &[f64; 4]),
+    ) -> DVec3 {
+        self.rows[row].iter().zip(weights).map(|(i, w)| changes_m_s[*i] * *w).sum()
+    }
+
     /// Takes back all but a share of what has been applied since `saved`; above 1 it goes beyond.
     pub(super) fn keep_share(&mut self, saved: &[ContactNode], share: f64) {
         for (node, saved) in self.nodes.iter_mut().zip(saved) {

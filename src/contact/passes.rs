@@ -1,11 +1,11 @@
 //! Gauss-Seidel passes over the contact pairs, from a first guess until the multipliers settle.
 //!
 //! A pass goes forth and back over the pairs. Passes learn from each other (Anderson acceleration, which amounts to
-//! conjugate gradients while no pair opens or slips; Zywicz and Puso, IJNME 44, 1999, accelerate in that way), and start from
-//! the impulses of the last step or, at an impact, from such as would be exact if all pairs needed the same.
+//! conjugate gradients while no pair opens or slips; Zywicz and Puso, IJNME 44, 1999, accelerate in that way). Where they
+//! start from stands in `first_guess.rs`.
 
 use super::constraint::Constraint;
-use super::nodes::{ContactNode, NodeTable};
+use super::nodes::NodeTable;
 use super::response::{ResponseParameters, ResponseReport};
 use glam::DVec3;
 
@@ -15,8 +15,6 @@ const PENETRATION_LEFT: f64 = 1e-4;
 const SOFTNESS: f64 = 0.25;
 /// Pairs that say nearly the same settle more slowly than the passes asked for allow: they get this many times as many.
 const PATIENCE: u32 = 8;
-/// Share of the squared shortfalls that the last step's pattern of impulses may leave.
-const GOOD_START: f64 = 0.1;
 
 /// Passes over the pairs until they settle, `most_passes` at most.
 pub(super) fn settle(
@@ -40,80 +38,6 @@ pub(super) fn settle(
             return report;
         }
         memory.accelerate(rows, constraints, table, pass);
-    }
-}
-
-/// What the pairs' relative normal velocities lack of their targets, m/s.
-fn shortfalls_m_s(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable) -> Vec<f64> {
-    let shortfall = |row: &PairRow| {
-        let c = &constraints[row.index];
-        c.target_m_s - table.relative_velocity(row.index, &c.weights).dot(c.normal)
-    };
-    rows.iter().map(shortfall).collect()
-}
-
-/// Applies first guesses of the impulses: those of the last step where they fit, else even ones.
-pub(super) fn start(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
-    if !start_as_before(rows, constraints, table) {
-        constraints.iter_mut().for_each(|c| c.impulse_n_s = DVec3::ZERO);
-        start_evenly(rows, constraints, table);
-    }
-}
-
-/// Starts from the pattern of the last step's impulses, which the constraints carry, to the scale that fits best.
-/// Returns false, with nothing applied, when it does not take away most of what is lacking.
-fn start_as_before(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) -> bool {
-    let lacking = |shortfalls: &[f64], constraints: &[Constraint]| -> f64 {
-        // A pair that presses must neither close nor open; others must not close.
-        let pressing = |row: &PairRow| constraints[row.index].impulse_n_s != DVec3::ZERO;
-        let each = rows.iter().zip(shortfalls);
-        each.map(|(row, s)| if pressing(row) { s * s } else { s.max(0.0).powi(2) }).sum()
-    };
-    if constraints.iter().all(|c| c.impulse_n_s == DVec3::ZERO) {
-        return false;
-    }
-    let before = shortfalls_m_s(rows, constraints, table);
-    let saved = table.nodes.clone();
-    for row in rows {
-        let c = &constraints[row.index];
-        table.apply(row.index, &c.weights, c.impulse_n_s);
-    }
-    let after = shortfalls_m_s(rows, constraints, table);
-    let pressing = rows.iter().zip(before.iter().zip(&after));
-    let pressing = pressing.filter(|(row, _)| constraints[row.index].impulse_n_s != DVec3::ZERO);
-    let (mut along, mut square) = (0.0, 0.0);
-    for (_, (b, a)) in pressing {
-        along += b * (b - a);
-        square += (b - a) * (b - a);
-    }
-    let scale = if square > 0.0 { (along / square).max(0.0) } else { 0.0 };
-    let scaled: Vec<f64> = before.iter().zip(&after).map(|(b, a)| b + (a - b) * scale).collect();
-    if lacking(&scaled, constraints) > GOOD_START * lacking(&before, constraints) {
-        table.nodes = saved;
-        return false;
-    }
-    table.keep_share(&saved, scale);
-    constraints.iter_mut().for_each(|c| c.impulse_n_s *= scale);
-    true
-}
-
-/// Applies even first guesses of the normal impulses: each pair's shortfall over the sum of its row, as if its
-/// neighbours fell short as much.
-fn start_evenly(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
-    let mut short = shortfalls_m_s(rows, constraints, table);
-    short.iter_mut().for_each(|s| *s = s.max(0.0));
-    let saved: Vec<ContactNode> = table.nodes.clone();
-    for (row, _) in rows.iter().zip(&short).filter(|(_, s)| **s > 0.0) {
-        let c = &constraints[row.index];
-        table.apply(row.index, &c.weights, c.normal);
-    }
-    let left = shortfalls_m_s(rows, constraints, table);
-    table.nodes = saved;
-    for ((row, short), left) in rows.iter().zip(&short).zip(left) {
-        let c = &mut constraints[row.index];
-        // Rows whose neighbours work against them are left to the passes.
-        c.impulse_n_s = c.normal * (short / (short - left).max(row.normal_block_per_kg));
-        table.apply(row.index, &c.weights, c.impulse_n_s);
     }
 }
 
@@ -231,11 +155,11 @@ fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, s
 /// A pair with its block, ready to be solved again and again.
 pub(super) struct PairRow {
     pub(super) index: usize,
-    normal_block_per_kg: f64,
+    pub(super) normal_block_per_kg: f64,
     tangent_block_per_kg: f64,
     /// Compliance of pairs that say nearly the same as others: with it the passes share the load between
     /// them at once instead of passing it to and fro, 1/kg.
-    softness_per_kg: f64,
+    pub(super) softness_per_kg: f64,
 }
 
 impl PairRow {

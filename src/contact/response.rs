@@ -14,7 +14,8 @@
 use super::constraint::Constraint;
 use super::impact::{ImpactStore, rebound_speeds_m_s, share_of_blow};
 use super::nodes::NodeTable;
-use super::passes::{PairRow, settle, start};
+use super::first_guess::start;
+use super::passes::{PairRow, settle};
 use glam::DVec3;
 
 /// Passes after which a response that still penetrates gives up.
