@@ -11,7 +11,9 @@ use super::passes::PairRow;
 use glam::DVec3;
 
 /// Rounds in which the set of pressing pairs may change.
-const ROUNDS: u32 = 6;
+const ROUNDS: u32 = 16;
+/// Rounds in which all pairs that should leave or enter the set do so at once.
+const ROUNDS_TOGETHER: u32 = 4;
 /// Iterations of conjugate gradients in one round.
 const ITERATIONS: u32 = 40;
 /// Change of an impulse, over the largest impulse, that a round may leave.
@@ -96,38 +98,46 @@ impl<'a> Guess<'a> {
 
     /// Solves for the pressing pairs and mends their set until it no longer changes.
     fn find_pressing(&mut self) {
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             self.solve();
             let most_n_s = self.most_n_s();
-            let mut has_changed = self.let_go();
-            for i in 0..self.rows.len() {
-                let change_n_s = self.shortfall_m_s[i] / self.block_per_kg(i);
-                if !self.presses[i] && change_n_s > 10.0 * TOLERANCE * most_n_s && !has_changed {
-                    self.presses[i] = true;
-                    has_changed = true;
-                }
+            let pulling = self.strongest(round, |guess, i| -guess.normal_n_s[i]);
+            if !pulling.is_empty() {
+                self.let_go(&pulling);
+                continue;
             }
-            if !has_changed {
+            let closing = self.strongest(round, |guess, i| {
+                let change_n_s = guess.shortfall_m_s[i] / guess.block_per_kg(i);
+                if guess.presses[i] { 0.0 } else { change_n_s - 10.0 * TOLERANCE * most_n_s }
+            });
+            if closing.is_empty() {
                 return;
             }
+            closing.into_iter().for_each(|i| self.presses[i] = true);
         }
-        self.let_go();
+        let pulling = self.strongest(0, |guess, i| -guess.normal_n_s[i]);
+        self.let_go(&pulling);
     }
 
-    /// Takes pulling pairs out of the set. Returns whether there were any.
-    fn let_go(&mut self) -> bool {
-        let pulled: Vec<f64> = self.normal_n_s.iter().map(|x| x.min(0.0)).collect();
-        if pulled.iter().all(|x| *x == 0.0) {
-            return false;
+    /// The pairs with positive `excess`. After the first rounds only the one with the largest: pairs that say nearly the
+    /// same would otherwise leave and enter together for ever.
+    fn strongest(&self, round: u32, excess: impl Fn(&Self, usize) -> f64) -> Vec<usize> {
+        let found = (0..self.rows.len()).filter(|i| excess(self, *i) > 0.0);
+        if round < ROUNDS_TOGETHER {
+            return found.collect();
         }
-        let response = self.response(&pulled);
+        found.max_by(|a, b| excess(self, *a).total_cmp(&excess(self, *b))).into_iter().collect()
+    }
+
+    /// Takes pairs out of the set, and their impulses back.
+    fn let_go(&mut self, pairs: &[usize]) {
+        let mut taken_n_s = vec![0.0; self.rows.len()];
+        for i in pairs {
+            taken_n_s[*i] = std::mem::take(&mut self.normal_n_s[*i]);
+            self.presses[*i] = false;
+        }
+        let response = self.response(&taken_n_s);
         self.shortfall_m_s.iter_mut().zip(response).for_each(|(s, r)| *s += r);
-        for ((x, presses), pulled) in self.normal_n_s.iter_mut().zip(&mut self.presses).zip(pulled) {
-            if pulled < 0.0 {
-                (*x, *presses) = (0.0, false);
-            }
-        }
-        true
     }
 
     fn block_per_kg(&self, i: usize) -> f64 {
