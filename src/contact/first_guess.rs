@@ -108,7 +108,7 @@ impl<'a> Guess<'a> {
             }
             let closing = self.strongest(round, |guess, i| {
                 let change_n_s = guess.shortfall_m_s[i] / guess.block_per_kg(i);
-                if guess.presses[i] { 0.0 } else { change_n_s - 10.0 * TOLERANCE * most_n_s }
+                if guess.presses[i] { 0.0 } else { change_n_s - 2.0 * TOLERANCE * most_n_s }
             });
             if closing.is_empty() {
                 return;
