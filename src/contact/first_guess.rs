@@ -81,19 +81,18 @@ impl<'a> Guess<'a> {
         guess
     }
 
-    /// Change of the pairs' relative normal velocities by normal impulses, m/s, with what softness adds.
+    /// Change of the pairs' relative normal velocities by normal impulses, m/s.
     fn response(&mut self, normal_n_s: &[f64]) -> Vec<f64> {
         self.change_m_s.fill(DVec3::ZERO);
         for (row, x) in self.rows.iter().zip(normal_n_s).filter(|(_, x)| **x != 0.0) {
             let c = &self.constraints[row.index];
             self.table.add_change(&mut self.change_m_s, (row.index, &c.weights), c.normal * *x);
         }
-        let response = |(row, x): (&PairRow, &f64)| {
+        let response = |row: &PairRow| {
             let c = &self.constraints[row.index];
-            let change = self.table.change_between(&self.change_m_s, (row.index, &c.weights));
-            change.dot(c.normal) + row.softness_per_kg * x
+            self.table.change_between(&self.change_m_s, (row.index, &c.weights)).dot(c.normal)
         };
-        self.rows.iter().zip(normal_n_s).map(response).collect()
+        self.rows.iter().map(response).collect()
     }
 
     /// Solves for the pressing pairs and mends their set until it no longer changes.
@@ -107,7 +106,7 @@ impl<'a> Guess<'a> {
                 continue;
             }
             let closing = self.strongest(round, |guess, i| {
-                let change_n_s = guess.shortfall_m_s[i] / guess.block_per_kg(i);
+                let change_n_s = guess.shortfall_m_s[i] / guess.rows[i].normal_block_per_kg;
                 if guess.presses[i] { 0.0 } else { change_n_s - 2.0 * TOLERANCE * most_n_s }
             });
             if closing.is_empty() {
@@ -140,17 +139,14 @@ impl<'a> Guess<'a> {
         self.shortfall_m_s.iter_mut().zip(response).for_each(|(s, r)| *s += r);
     }
 
-    fn block_per_kg(&self, i: usize) -> f64 {
-        self.rows[i].normal_block_per_kg + self.rows[i].softness_per_kg
-    }
-
     fn most_n_s(&self) -> f64 {
         self.normal_n_s.iter().fold(0.0, |most, x| most.max(x.abs()))
     }
 
     /// Residual of a pressing pair as a change of its impulse, N s; zero for others.
     fn preconditioned(&self) -> Vec<f64> {
-        let each = |i| if self.presses[i] { self.shortfall_m_s[i] / self.block_per_kg(i) } else { 0.0 };
+        let change = |i: usize| self.shortfall_m_s[i] / self.rows[i].normal_block_per_kg;
+        let each = |i| if self.presses[i] { change(i) } else { 0.0 };
         (0..self.rows.len()).map(each).collect()
     }
 

@@ -107,11 +107,7 @@ impl NodeTable {
     }
 
     /// Relative velocity of a constraint that goes with changes of the nodes' velocities, m/s.
-    pub(super) fn change_between(
-        &self,
-        changes_m_s: &[DVec3],
-        (row, weights): (usize, &[f64; 4]),
-    ) -> DVec3 {
+    pub(super) fn change_between(&self, changes_m_s: &[DVec3], (row, weights): (usize, &[f64; 4])) -> DVec3 {
         self.rows[row].iter().zip(weights).map(|(i, w)| changes_m_s[*i] * *w).sum()
     }
 

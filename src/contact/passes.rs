@@ -11,8 +11,6 @@ use glam::DVec3;
 
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
 const PENETRATION_LEFT: f64 = 1e-4;
-/// Compliance of redundant pairs over their block.
-const SOFTNESS: f64 = 0.25;
 /// Pairs that say nearly the same settle more slowly than the passes asked for allow: they get this many times as many.
 const PATIENCE: u32 = 8;
 
@@ -144,7 +142,7 @@ fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
 }
 
 fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, step_s: f64) -> bool {
-    rows.iter().filter(|row| row.softness_per_kg == 0.0).any(|row| {
+    rows.iter().any(|row| {
         let c = &constraints[row.index];
         let normal_v = table.relative_velocity(row.index, &c.weights).dot(c.normal);
         let allowed_m = PENETRATION_LEFT * c.size_m - c.gap_m.min(0.0);
@@ -157,9 +155,6 @@ pub(super) struct PairRow {
     pub(super) index: usize,
     pub(super) normal_block_per_kg: f64,
     tangent_block_per_kg: f64,
-    /// Compliance of pairs that say nearly the same as others: with it the passes share the load between
-    /// them at once instead of passing it to and fro, 1/kg.
-    pub(super) softness_per_kg: f64,
 }
 
 impl PairRow {
@@ -172,7 +167,6 @@ impl PairRow {
             index,
             normal_block_per_kg,
             tangent_block_per_kg: block.max_element(),
-            softness_per_kg: if constraint.may_bounce { 0.0 } else { SOFTNESS * normal_block_per_kg },
         })
     }
 
@@ -181,9 +175,8 @@ impl PairRow {
         let velocity = table.relative_velocity(self.index, &c.weights);
         let old = c.impulse_n_s;
         let old_normal = old.dot(c.normal);
-        let shortfall = c.target_m_s - velocity.dot(c.normal) - self.softness_per_kg * old_normal;
-        let block_per_kg = self.normal_block_per_kg + self.softness_per_kg;
-        let normal_part = (old_normal + shortfall / block_per_kg).max(0.0);
+        let shortfall = c.target_m_s - velocity.dot(c.normal);
+        let normal_part = (old_normal + shortfall / self.normal_block_per_kg).max(0.0);
         let mut tangential = DVec3::ZERO;
         if c.friction_coefficient > 0.0 && normal_part > 0.0 {
             let slip = velocity - c.normal * velocity.dot(c.normal);

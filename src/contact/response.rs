@@ -12,9 +12,9 @@
 //! kick of elastic force already.
 
 use super::constraint::Constraint;
+use super::first_guess::start;
 use super::impact::{ImpactStore, rebound_speeds_m_s, share_of_blow};
 use super::nodes::NodeTable;
-use super::first_guess::start;
 use super::passes::{PairRow, settle};
 use glam::DVec3;
 
