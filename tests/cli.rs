@@ -186,6 +186,7 @@ fn bad_input_is_status_2_and_says_what_is_wrong() {
     let write = |name: &str, text: &str| fs::write(place.path().join(name), text).unwrap();
     write("broken.toml", "title = \n");
     write("typo.toml", &SCENE.replace("velocity", "velocty"));
+    write("notes.md", "# Notes\n");
     write("overlap.toml", &SCENE.replace("0.01, 0.3", "0.01, 0.2"));
     let cases = [
         ("run hamer-table -o d", "hammer-table"),
@@ -196,6 +197,8 @@ fn bad_input_is_status_2_and_says_what_is_wrong() {
         ("run cubes.toml -o d --set materials.rubber.poisson_ratio=0.5", "poisson_ratio"),
         ("run cubes.toml -o d --set bodies.upper.velocity=[0,0,-1e300]", "finite"),
         ("check typo.toml", "velocity"),
+        ("check notes.md", "not a scene file (scene files end in .toml)"),
+        ("run notes.md -o d", "scene files end in .toml"),
         ("render hamer-table -o a.gif", "hammer-table"),
     ];
     for (line, reason) in cases {
@@ -224,6 +227,19 @@ fn check_tells_size_and_cost() {
     let found = place.succeed("check cubes.toml");
     for word in ["elements", "step", "lower", "upper", "sound"] {
         assert!(found.contains(word), "{word} is not in\n{found}");
+    }
+}
+
+#[test]
+fn slips_of_units_are_warned_about_unless_quiet() {
+    let place = Place::new();
+    for line in ["check cubes.toml", "run cubes.toml -o d --duration 1ms"] {
+        let line = format!("{line} --set materials.rubber.density=0.9");
+        let output = place.run(&line);
+        assert!(output.status.success(), "{line}");
+        let said = stderr(&output);
+        assert!(said.contains("warning: --set materials.rubber.density=0.9: "), "{line}: {said}");
+        assert!(!stderr(&place.run(&format!("{line} --quiet"))).contains("warning"), "{line}");
     }
 }
 

@@ -360,6 +360,43 @@ fn problems_of_shapes_and_places_have_their_line() {
     }
 }
 
+/// A body that cannot be placed, one placed by it, and mistakes of other kinds beside them.
+#[test]
+fn a_body_without_its_place_does_not_hide_other_mistakes() {
+    let text = format!(
+        "{CUBE}
+[[bodies]]
+name = \"lost\"
+shape = {{ type = \"hammer\" }}
+material = {{ head = \"steel\" }}
+on = \"nobody\"
+[[bodies]]
+name = \"on-lost\"
+shape = {{ type = \"ball\" }}
+material = \"rubber\"
+on = \"lost\"
+[[bodies]]
+name = \"inside\"
+shape = {{ type = \"ball\", radius = 0.3 }}
+material = \"rubber\"
+position = [0, 0, 0.9]
+[[bodies.boundary]]
+at = {{ region = \"al\" }}
+fixed = true
+"
+    );
+    assert_problems(
+        &text,
+        &[],
+        &[
+            "17: region `handle` of the body has no material",
+            "18: there is no body called `nobody` above this one",
+            "28: `cube` and `inside` overlap at the start",
+            "30: the body has no region called `al`",
+        ],
+    );
+}
+
 #[test]
 fn empty_selections_are_refused_and_say_where_the_body_is() {
     let text = format!(

@@ -3,9 +3,9 @@
 use super::args::CommonArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::scene_source::is_built_in;
+use super::scene_source::{is_built_in, warn};
 use crate::fem::{ElasticConstants, ElementBatches};
-use crate::mesh::import::{ImportOptions, ImportedMesh, read_mesh};
+use crate::mesh::import::{ImportError, ImportOptions, ImportedMesh, Problem, read_mesh};
 use crate::mesh::{MeshReport, TetMesh};
 use crate::scene::{PRESETS, Scene, SceneSummary};
 use crate::sim::{World, WorldSetup};
@@ -48,6 +48,7 @@ fn is_mesh(file: &str) -> bool {
 
 fn check_scene(file: &str, common: &CommonArgs, console: &Console) -> Result<(), Failure> {
     let scene = Scene::load(file, &common.overrides).map_err(|error| Failure::BadInput(error.to_string()))?;
+    warn(&scene, console);
     let world = World::new(scene.setup.clone())?;
     let summary = SceneSummary::of(&scene, &world);
     console.result(summary.to_string().trim_end())?;
@@ -112,8 +113,8 @@ fn check_mesh(file: &str, common: &CommonArgs, console: &Console) -> Result<(), 
             "`{file}` is a mesh, so there is nothing for `--set {first}` to override; --set is for scenes"
         )));
     }
-    let ImportedMesh { mesh, notes, format, .. } = read_mesh(Path::new(file), &ImportOptions::default())
-        .map_err(|error| Failure::BadInput(error.to_string()))?;
+    let ImportedMesh { mesh, notes, format, .. } =
+        read_mesh(Path::new(file), &ImportOptions::default()).map_err(|error| refused(file, &error))?;
     let report = MeshReport::of(&mesh);
     console.result(format_args!("format              {format}"))?;
     console.result(&report)?;
@@ -132,6 +133,16 @@ fn check_mesh(file: &str, common: &CommonArgs, console: &Console) -> Result<(), 
     } else {
         Err(Failure::BadInput(format!("`{file}` cannot be simulated as it is; see above")))
     }
+}
+
+/// A file that no reader of meshes knows was perhaps meant as a scene.
+fn refused(file: &str, error: &ImportError) -> Failure {
+    Failure::BadInput(match &error.problem {
+        problem @ Problem::UnknownFormat { .. } => {
+            format!("`{file}` is not a scene file (scene files end in .toml), and not a mesh file: {problem}")
+        }
+        _ => error.to_string(),
+    })
 }
 
 /// Stable step of a body of this mesh and a material of the library, s; `None` for a mesh that makes no body.

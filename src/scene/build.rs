@@ -17,14 +17,15 @@ use std::path::Path;
 pub(super) type BuildProblem = (String, String);
 
 /// What a scene was built into.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Built {
     pub setup: WorldSetup,
     /// What reading the mesh files had to say: (body, note).
     pub notes: Vec<(String, String)>,
 }
 
-/// Builds a scene; mesh files are looked for from `folder`.
+/// Builds a scene; mesh files are looked for from `folder`. Names may lead nowhere (which is told elsewhere): bodies
+/// placed by those are left out.
 ///
 /// # Errors
 /// Every problem found, at least one.
@@ -32,17 +33,16 @@ pub(super) fn build(scene: &SceneDescription, folder: &Path) -> Result<Built, Ve
     let mut builder =
         Builder { scene, problems: Vec::new(), notes: Vec::new(), placed: Vec::new(), bodies: Vec::new() };
     let meshes = builder.meshes(folder);
-    if builder.problems.is_empty() {
-        builder.check_size(&meshes);
-    }
+    let fits = builder.check_size(&meshes);
     builder.ground();
     for (index, mesh) in meshes.into_iter().enumerate() {
         if let Some(mesh) = mesh {
             builder.body(index, &mesh);
         }
     }
-    if builder.problems.is_empty() {
-        builder.problems = overlaps(scene, &builder.bodies);
+    if fits {
+        let overlaps = overlaps(scene, &builder.bodies);
+        builder.problems.extend(overlaps);
     }
     builder.finish()
 }
@@ -80,8 +80,8 @@ impl Builder<'_> {
         meshes
     }
 
-    /// Copies multiply elements: the limit of one shape has to hold for all together.
-    fn check_size(&mut self, meshes: &[Option<ShapeMesh>]) {
+    /// Copies multiply elements: the limit of one shape has to hold for all together. Returns whether it does.
+    fn check_size(&mut self, meshes: &[Option<ShapeMesh>]) -> bool {
         let counts = meshes.iter().zip(&self.scene.bodies).map(|(mesh, body)| {
             let elements = mesh.as_ref().map_or(0, |mesh| mesh.mesh.tets.len());
             elements * body.copies.count as usize
@@ -96,6 +96,7 @@ impl Builder<'_> {
                 ),
             ));
         }
+        elements <= ELEMENT_LIMIT
     }
 
     fn problem(&mut self, entry: usize, key: &str, message: String) {
@@ -127,13 +128,16 @@ impl Builder<'_> {
 
     fn body(&mut self, entry: usize, shape: &ShapeMesh) {
         let body = &self.scene.bodies[entry];
+        let element_material = element_materials(body, &shape.mesh).unwrap_or_else(|(key, message)| {
+            self.problem(entry, &key, message);
+            vec![0; shape.mesh.tets.len()]
+        });
+        if !self.has_its_neighbours(body) {
+            return;
+        }
         let frames = match place(body, &shape.mesh, &self.placed) {
             Ok(frames) => frames,
             Err((key, message)) => return self.problem(entry, key, message),
-        };
-        let element_material = match element_materials(body, &shape.mesh) {
-            Ok(element_material) => element_material,
-            Err((key, message)) => return self.problem(entry, &key, message),
         };
         let materials = self.materials(body.material.names(), body.color_srgb);
         let mut placed = Placed::new(&body.name, frames[0]);
@@ -161,6 +165,12 @@ impl Builder<'_> {
             });
         }
         self.placed.push(placed);
+    }
+
+    /// Whether the bodies that this one is placed by have been placed.
+    fn has_its_neighbours(&self, body: &Body) -> bool {
+        let wanted = [&body.placement.on, &body.placement.axes_of];
+        wanted.into_iter().flatten().all(|name| self.placed.iter().any(|placed| placed.is_called(name)))
     }
 
     fn materials<'n>(

@@ -99,19 +99,21 @@ impl SceneDocument {
         path::locate(&self.root, path)
     }
 
-    /// The error for these findings, in the order of the text, overrides last.
-    pub(super) fn invalid(&self, mut findings: Vec<Finding>) -> SceneError {
+    /// The error for these findings.
+    pub(super) fn invalid(&self, findings: Vec<Finding>) -> SceneError {
+        SceneError::Invalid { scene: self.label.clone(), problems: self.problems(findings) }
+    }
+
+    /// These findings with their places, in the order of the text, overrides last.
+    pub(super) fn problems(&self, mut findings: Vec<Finding>) -> Vec<Problem> {
         findings.sort_by_key(|finding| finding.origin);
         findings.dedup_by(|a, b| a.origin == b.origin && a.message == b.message);
-        let problems = findings
-            .into_iter()
-            .map(|finding| Problem {
-                location: self.location(finding.origin),
-                path: finding.path,
-                message: finding.message,
-            })
-            .collect();
-        SceneError::Invalid { scene: self.label.clone(), problems }
+        let place = |finding: Finding| Problem {
+            location: self.location(finding.origin),
+            path: finding.path,
+            message: finding.message,
+        };
+        findings.into_iter().map(place).collect()
     }
 
     fn location(&self, origin: Origin) -> Location {

@@ -39,6 +39,11 @@ impl Findings {
         self.list.borrow_mut().push(Finding { origin, path: path.to_owned(), message });
     }
 
+    /// Whether nothing was found so far.
+    pub fn is_empty(&self) -> bool {
+        self.list.borrow().is_empty() && self.strangers.borrow().is_empty()
+    }
+
     /// Adds a key nobody asked for.
     pub fn add_stranger(&self, stranger: Stranger) {
         self.strangers.borrow_mut().push(stranger);

@@ -19,6 +19,7 @@ mod overlap;
 mod parse;
 mod path;
 mod place;
+mod plausible;
 mod presets;
 mod problem;
 mod quantity;
@@ -54,6 +55,8 @@ pub struct Scene {
     pub setup: WorldSetup,
     /// What reading mesh files had to say: (body, note).
     pub notes: Vec<(String, String)>,
+    /// What can be run but looks like a slip, each with its place: `fall.toml:12:5: ...`.
+    pub warnings: Vec<String>,
     document: SceneDocument,
     folder: PathBuf,
 }
@@ -70,6 +73,10 @@ impl Scene {
         let path = Path::new(name_or_path);
         if !path.exists() {
             return Err(not_found(name_or_path));
+        }
+        let is_toml = path.extension().is_none_or(|ending| ending.eq_ignore_ascii_case("toml"));
+        if !is_toml && path.is_file() {
+            return Err(SceneError::NotAScene { path: path.to_owned() });
         }
         let text = std::fs::read_to_string(path)
             .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
@@ -125,21 +132,25 @@ impl Scene {
     ) -> Result<Self, SceneError> {
         let mut problems = document.try_apply(overrides);
         let findings = Findings::default();
-        let description = parse::read_scene(document.root(), &findings);
+        let mut description = parse::read_scene(document.root(), &findings);
+        // With values that stand in for wrong ones, building would find what is not there.
+        let is_readable = problems.is_empty() && findings.is_empty();
+        parse::check_whole(&mut description, document.root(), &findings);
         problems.extend(findings.into_problems());
+        if !is_readable {
+            return Err(document.invalid(problems));
+        }
+        let built = build::build(&description, folder).unwrap_or_else(|found| {
+            problems.extend(located(&document, found));
+            build::Built::default()
+        });
         if !problems.is_empty() {
             return Err(document.invalid(problems));
         }
-        let built = build::build(&description, folder).map_err(|problems| {
-            let located = problems.into_iter().map(|(path, message)| Finding {
-                origin: document.locate(&path),
-                path,
-                message,
-            });
-            document.invalid(located.collect())
-        })?;
+        let doubts = document.problems(located(&document, plausible::doubts(&description)));
         Ok(Self {
             name: short_name(document.label()),
+            warnings: doubts.iter().map(|doubt| doubt.in_scene(document.label())).collect(),
             description,
             setup: built.setup,
             notes: built.notes,
@@ -147,6 +158,12 @@ impl Scene {
             folder: folder.to_owned(),
         })
     }
+}
+
+/// Findings whose paths are turned into places.
+fn located(document: &SceneDocument, found: Vec<(String, String)>) -> Vec<Finding> {
+    let found = found.into_iter();
+    found.map(|(path, message)| Finding { origin: document.locate(&path), path, message }).collect()
 }
 
 fn short_name(label: &str) -> String {

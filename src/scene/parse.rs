@@ -13,7 +13,7 @@ use super::tree::Node;
 use crate::sim::Material;
 use glam::DVec3;
 
-/// Reads a whole scene. The description is only meaningful when nothing was found.
+/// Reads the parts of a scene one by one. The description is only meaningful when nothing was found.
 pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
     let mut table = Table::root(root, findings);
     let title = table.required_text("title");
@@ -29,7 +29,7 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
     let contact = settings::read_contact(table.table_or_empty("contact"));
     let (duration_s, time) = settings::read_time(table.table_or_empty("time"));
     let cameras = table.named_tables("cameras");
-    let mut scene = SceneDescription {
+    SceneDescription {
         title,
         description,
         gravity_m_s2: gravity.unwrap_or(DVec3::new(0.0, 0.0, -9.81)),
@@ -41,10 +41,13 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
         time,
         cameras: cameras.into_iter().map(settings::read_camera).collect(),
         recording: settings::read_recording(table.table_or_empty("recording"), duration_s),
-    };
-    cross_checks::check(&scene, root, findings);
-    add_library_materials(&mut scene);
-    scene
+    }
+}
+
+/// Checks what the parts say about each other and adds what they take from the library.
+pub(super) fn check_whole(scene: &mut SceneDescription, root: &Node, findings: &Findings) {
+    cross_checks::check(scene, root, findings);
+    add_library_materials(scene);
 }
 
 fn read_materials(table: &mut Table) -> Vec<Material> {

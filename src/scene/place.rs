@@ -52,6 +52,11 @@ impl Placed {
         Self { name: name.to_owned(), frame, meshes: Vec::new() }
     }
 
+    /// Whether the entry has this name.
+    pub fn is_called(&self, name: &str) -> bool {
+        self.name == name
+    }
+
     /// The ground.
     pub fn ground(mesh: TetMesh) -> Self {
         Self { name: GROUND.to_owned(), frame: Frame::at(DVec3::ZERO), meshes: vec![mesh] }

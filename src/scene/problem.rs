@@ -29,6 +29,17 @@ pub struct Problem {
     pub message: String,
 }
 
+impl Problem {
+    /// The place and the message, as in `fall.toml:12:5: ...`; `scene` is what messages call the scene.
+    #[must_use]
+    pub fn in_scene(&self, scene: &str) -> String {
+        match &self.location {
+            Location::Line { line, column } => format!("{scene}:{line}:{column}: {}", self.message),
+            Location::Override(text) => format!("--set {text}: {}", self.message),
+        }
+    }
+}
+
 /// Why a scene cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -39,6 +50,12 @@ pub enum SceneError {
         asked: String,
         /// The nearest name, and where to find them all.
         hint: String,
+    },
+    /// A file of another kind.
+    #[error("`{}` is not a scene file: scene files end in .toml", path.display())]
+    NotAScene {
+        /// The file.
+        path: PathBuf,
     },
     /// The file cannot be read.
     #[error("cannot read the scene file `{}`: {}", path.display(), io_reason(source))]
@@ -81,13 +98,7 @@ impl fmt::Display for ProblemList<'_> {
             count => write!(f, "the scene has {count} problems:")?,
         }
         for problem in self.problems {
-            match &problem.location {
-                Location::Line { line, column } => {
-                    write!(f, "\n  {}:{line}:{column}: ", self.scene)?;
-                }
-                Location::Override(text) => write!(f, "\n  --set {text}: ")?,
-            }
-            write!(f, "{}", problem.message)?;
+            write!(f, "\n  {}", problem.in_scene(self.scene))?;
         }
         Ok(())
     }
