@@ -72,9 +72,12 @@ impl Look {
         self.camera = opening_camera(&scene.description, &Framing::of(&snapshot.frame), aspect);
     }
 
-    /// Shows everything, from where the camera looks.
+    /// Shows everything that is there now, from where the camera looks. The floor comes along: what has fallen
+    /// below the one from the start would stay hidden under it.
     pub fn frame_all(&mut self, frame: &Frame, aspect: f32) {
-        Framing::of(frame).fit(&mut self.camera, aspect);
+        let framing = Framing::of(frame);
+        self.ground = framing.floor().map_or(Ground::Hidden, Ground::At);
+        framing.fit(&mut self.camera, aspect);
     }
 
     /// Shows everything, from a named direction.
@@ -100,5 +103,31 @@ impl Look {
             pixels_per_point,
             ..View::default()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::BodyFrame;
+    use glam::Vec3;
+
+    fn frame_at(x_m: f32, z_m: f32) -> Frame {
+        let positions_m = vec![[x_m, 0.0, z_m], [x_m + 1.0, 1.0, z_m + 1.0]];
+        Frame { bodies: vec![BodyFrame { positions_m, ..Default::default() }], ..Default::default() }
+    }
+
+    #[test]
+    fn a_view_shows_what_is_there_now_and_no_floor_above_it() {
+        let mut look = Look::default();
+        look.open(&Snapshot { frame: frame_at(0.0, 0.0).into(), ..Default::default() });
+        look.frame_all(&frame_at(0.0, 0.0), 1.5);
+        let now = frame_at(40.0, -30.0);
+        look.look_from(NamedView::Front, &now, 1.5);
+        for point in &now.bodies[0].positions_m {
+            let at = look.camera.picture_position(Vec3::from(*point), 1.5).unwrap();
+            assert!(at.min_element() > 0.0 && at.max_element() < 1.0, "{at}");
+        }
+        assert!(matches!(look.ground, Ground::At(floor) if floor.height_m < -30.0));
     }
 }

@@ -120,6 +120,15 @@ pub struct Session {
     notices: u64,
 }
 
+impl Snapshot {
+    /// Duration of the scene in s, when it is over and nothing plays.
+    #[must_use]
+    pub fn over_after_s(&self) -> Option<f64> {
+        let duration_s = self.scene.as_ref()?.description.duration_s;
+        (!self.is_playing && is_reached(self.frame.time_s, duration_s)).then_some(duration_s)
+    }
+}
+
 impl Default for Session {
     fn default() -> Self {
         Self {
@@ -185,7 +194,8 @@ impl Session {
         }
         let mut time_s = self.time_s();
         let pace = *self.pace.get_or_insert_with(|| Pace::new(self.speed, time_s, wall_s));
-        let moment_s = pace.moment_s();
+        let end_s = self.end_ahead_s();
+        let moment_s = pace.moment_s().min(end_s);
         let mut has_moved = false;
         while !is_reached(time_s, moment_s) {
             if !self.take_step(self.limit_s(moment_s)) {
@@ -201,11 +211,21 @@ impl Session {
         if has_moved {
             self.note_balances();
         }
+        if is_reached(time_s, end_s) {
+            self.set_playing(false);
+            return true;
+        }
         self.meter.mark(wall_s, time_s);
         if let Some(pace) = &mut self.pace {
             pace.pass(wall_s);
         }
         true
+    }
+
+    /// The end of the scene, where playing pauses; infinite once it is reached: then playing goes on beyond.
+    fn end_ahead_s(&self) -> f64 {
+        let end_s = self.run.as_ref().map_or(f64::INFINITY, |run| run.scene.description.duration_s);
+        if is_reached(self.time_s(), end_s) { f64::INFINITY } else { end_s }
     }
 
     /// How far the next step may go. Elastic steps keep their natural length, as without a window: cutting them at
@@ -273,8 +293,11 @@ impl Session {
         self.contact = None;
         self.speed = 1.0 / scene.description.recording.slow_motion.max(1.0);
         self.notice = None;
-        self.start(scene.clone(), scene, world);
+        self.start(scene.clone(), scene.clone(), world);
         self.set_playing(play);
+        if !scene.warnings.is_empty() {
+            self.tell(scene.warnings.join("\n"));
+        }
     }
 
     fn close(&mut self) {
@@ -510,6 +533,23 @@ mod tests {
         let (slower_steps, slower_balance_j) = elastic_steps_at(1.0 / 3e5);
         assert!(steps.abs_diff(slower_steps) <= 2, "{steps} {slower_steps}");
         assert!((slower_balance_j / balance_j - 1.0).abs() < 0.01, "{balance_j} {slower_balance_j}");
+    }
+
+    #[test]
+    fn playing_pauses_at_the_end_and_goes_on_beyond_when_asked_again() {
+        let mut session = opened("bounce", &["time.duration=0.0405"]);
+        play(&mut session, 300);
+        let snapshot = session.snapshot();
+        assert!(!snapshot.is_playing && is_reached(snapshot.frame.time_s, 0.0405));
+        assert!(snapshot.frame.time_s < 0.041, "{}", snapshot.frame.time_s);
+        assert_eq!(snapshot.over_after_s(), Some(0.0405));
+        session.execute(Command::Play);
+        play(&mut session, 30);
+        let beyond = session.snapshot();
+        assert!(beyond.is_playing && beyond.frame.time_s > snapshot.frame.time_s);
+        assert_eq!(beyond.over_after_s(), None);
+        session.execute(Command::Reset { overrides: Vec::new() });
+        assert_eq!(session.snapshot().over_after_s(), None);
     }
 
     #[test]

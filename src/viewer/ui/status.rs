@@ -9,6 +9,10 @@ use egui::{RichText, Ui};
 pub fn show(ui: &mut Ui, snapshot: &Snapshot) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
+        if let Some(duration_s) = snapshot.over_after_s() {
+            let text = format!("the scene's {} are over; play goes on beyond", measured(duration_s, "s"));
+            ui.label(RichText::new(text).small().strong());
+        }
         for (label, value, hint) in values(snapshot) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
