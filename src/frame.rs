@@ -105,6 +105,8 @@ pub struct Frame {
     pub bodies: Vec<BodyFrame>,
     /// Contacts of the last step.
     pub contacts: Vec<ContactMark>,
+    /// Whether there is no gravity, so that nothing stands on a floor.
+    pub is_weightless: bool,
     /// Numbers for captions.
     pub status: FrameStatus,
 }

@@ -39,6 +39,7 @@ pub struct Framing {
     /// a box, and still a few numbers for a whole animation.
     extremes: Vec<Vec3>,
     fixed: Vec<FixedBody>,
+    is_weightless: bool,
 }
 
 /// A fixed body and whether it can serve as the ground.
@@ -61,6 +62,7 @@ impl Framing {
     /// Takes in a further frame, later than all before.
     pub fn include(&mut self, frame: &Frame) {
         self.fixed = fixed_bodies(frame);
+        self.is_weightless = frame.is_weightless;
         let moving = frame
             .bodies
             .iter()
@@ -93,7 +95,7 @@ impl Framing {
 
     /// The floor: in place of a large level fixed body below everything that moves, else at the
     /// foot of the fixed bodies or a little below the lowest point of the moving ones; `None`
-    /// when there is nothing to draw.
+    /// when there is nothing to draw, or nothing that would fall on a floor.
     #[must_use]
     pub fn floor(&self) -> Option<Floor> {
         let ground = self.fixed.iter().filter(|body| self.is_ground(body));
@@ -101,6 +103,9 @@ impl Framing {
         let lowest = ground.min_by(|a, b| a.bounds.1.z.total_cmp(&b.bounds.1.z));
         if let Some(body) = lowest {
             return Some(Floor { height_m: body.bounds.1.z, replaces: Some(body.index) });
+        }
+        if self.is_weightless {
+            return None;
         }
         // Nothing moving really stands on this floor, so it leaves a gap.
         let gap_m = FLOOR_GAP * self.first_size_m.unwrap_or(0.0);
@@ -270,6 +275,15 @@ mod tests {
         let cube = slab(BodyRole::Deformable, Vec3::splat(0.5), Vec3::splat(1.5));
         let floor = Framing::of(&frame(vec![cube, ground])).floor().unwrap();
         assert_eq!((floor.height_m, floor.replaces), (0.1, Some(1)));
+    }
+
+    #[test]
+    fn without_gravity_only_a_slab_is_a_floor() {
+        let ground = slab(BodyRole::Fixed, Vec3::new(-5.0, -5.0, -0.2), Vec3::new(5.0, 5.0, 0.1));
+        let cube = slab(BodyRole::Deformable, Vec3::splat(0.5), Vec3::splat(1.5));
+        let floor = |bodies| Framing::of(&Frame { is_weightless: true, ..frame(bodies) }).floor();
+        assert_eq!(floor(vec![cube.clone()]), None);
+        assert_eq!(floor(vec![cube, ground]).unwrap().replaces, Some(1));
     }
 
     #[test]

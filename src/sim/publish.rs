@@ -61,6 +61,7 @@ impl World {
             time_s: self.time_s,
             bodies: bodies.map(|(index, (body, parts))| self.body_frame(index, body, parts)).collect(),
             contacts: self.marks.clone(),
+            is_weightless: self.setup.gravity_m_s2 == DVec3::ZERO,
             status: self.status(),
         }
     }
