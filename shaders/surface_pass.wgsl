@@ -143,7 +143,7 @@ fn shaded(in: VertexOutput) -> vec4<f32> {
     var light = frame.key_light * key + ambient;
     if has_value {
         // Flatter light, so that the colours stay near those of the legend.
-        light = mix(0.85 * light, vec3<f32>(0.92), 0.45);
+        light = mix(0.9 * light, vec3<f32>(0.92), 0.3);
     }
     var color = base * light + frame.key_light * (highlight * key) + rim;
     if frame.wireframe > 0.0 {

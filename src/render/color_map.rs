@@ -15,13 +15,14 @@ pub enum ColorMap {
 }
 
 /// Lightness, chroma and hue (degrees) at evenly spaced positions. Lightness rises in equal
-/// steps; hue runs from blue to yellow without passing red, so that no two ends look alike.
+/// steps, from where light and shade can still be told apart: most of a body is often at zero. Hue runs from
+/// blue to yellow without passing red, so that no two ends look alike.
 const SEQUENTIAL_LCH: [[f32; 3]; 6] = [
-    [0.28, 0.110, 285.0],
-    [0.41, 0.110, 262.0],
-    [0.54, 0.100, 222.0],
-    [0.67, 0.120, 178.0],
-    [0.80, 0.155, 132.0],
+    [0.43, 0.130, 285.0],
+    [0.53, 0.120, 262.0],
+    [0.63, 0.105, 222.0],
+    [0.73, 0.120, 178.0],
+    [0.83, 0.155, 132.0],
     [0.93, 0.165, 104.0],
 ];
 
