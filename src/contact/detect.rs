@@ -215,9 +215,7 @@ impl<'a> NodeSide<'a> {
             return false;
         }
         let is_one_plane = rival.normal.dot(c.normal) > SAME_PLANE;
-        let own = &self.views[0];
-        let is_in_front =
-            |c: &Constraint| own.surface.inward(c.nodes[0].1, own.positions_m).dot(c.normal) > -IN_FRONT;
+        let is_in_front = |c: &Constraint| self.is_in_front(c.nodes[0].1, c.normal);
         if !is_one_plane && !self.is_convex_between(a, c) {
             return false;
         }
@@ -239,6 +237,13 @@ impl<'a> NodeSide<'a> {
             )
         };
         rank(rival, a).partial_cmp(&rank(c, b)) == Some(std::cmp::Ordering::Greater)
+    }
+
+    /// Whether the node's own body lies in front of a patch with this normal. Within one body nothing else can touch: the
+    /// faces of a fresh crack lie on each other, and beside each of them the other part's outer faces begin.
+    fn is_in_front(&self, node: u32, normal: DVec3) -> bool {
+        let own = &self.views[0];
+        own.surface.inward(node, own.positions_m).dot(normal) > -IN_FRONT
     }
 
     /// Whether the other patch lies below the plane of `c`'s.
@@ -292,6 +297,9 @@ impl<'a> NodeSide<'a> {
         }
         let [node, a, b, c] = near.nodes.map(|n| n.1);
         let is_held = self.pair.list.holds((self.bodies[0], node, self.bodies[1]), near.geometry.normal);
+        if self.bodies[0] == self.bodies[1] && !self.is_in_front(node, near.geometry.normal) {
+            return None;
+        }
         let path = self.paths(node, [a, b, c]);
         let touches = path.touches(&near.geometry, near.size_m, is_held);
         touches.then(|| near.constraint(self.bodies, &self.views, self.pair))
