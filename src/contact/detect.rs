@@ -100,12 +100,14 @@ impl NearPair {
             weights: g.weights,
             weight_shifts_per_m: g.weight_shifts_per_m,
             normal: g.normal,
-            gap_m: g.gap_m,
+            // Faces of a crack may have closed into each other before they came apart. Within one body nothing is
+            // pushed out at once: that would take energy from nowhere.
+            gap_m: if bodies[0] == bodies[1] { g.gap_m.max(0.0) } else { g.gap_m },
             place_m,
             size_m: self.size_m,
             friction_coefficient: pair.friction_coefficient,
             closing_m_s: -self.opening_m_s(views),
-            may_bounce: true,
+            may_bounce: bodies[0] != bodies[1],
             stored: ImpactStore::default(),
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
@@ -301,7 +303,8 @@ impl<'a> NodeSide<'a> {
             return None;
         }
         let path = self.paths(node, [a, b, c]);
-        let touches = path.touches(&near.geometry, near.size_m, is_held);
+        let is_own = self.bodies[0] == self.bodies[1];
+        let touches = path.touches(&near.geometry, near.size_m, is_held || is_own);
         touches.then(|| near.constraint(self.bodies, &self.views, self.pair))
     }
 }

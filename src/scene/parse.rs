@@ -188,7 +188,10 @@ mod tests {
     /// Uses a table of every kind, so that every key is asked for.
     const EVERYTHING: &str = r#"
         title = "t"
-        materials.m.preset = "steel"
+        materials.m = { preset = "steel", fracture.any_of = [
+            { criterion = "tensile", tensile_strength = 1 }, { criterion = "tresca", shear_strength = 1 },
+            { criterion = "mohr-coulomb", cohesion = 1 },
+            { criterion = "formula", formula = "s1 - a", parameters = { a = 1 } } ] }
         ground = {}
         contact.pairs = [{ bodies = ["a", "ground"], friction = 1 }]
         time.duration = 1
