@@ -2,7 +2,9 @@
 
 use super::breaking::Breaking;
 use super::rigid::RigidMotion;
-use super::{BodyMotion, BodySetup, BoundaryAction, FractureParameters, Kinematics, PrescribedMotion, SimError};
+use super::{
+    BodyMotion, BodySetup, BoundaryAction, FractureParameters, Kinematics, PrescribedMotion, SimError,
+};
 use crate::contact::ContactSurface;
 use crate::fem::{ElasticConstants, ElementBatches, ElementKinematics, ForceScratch};
 use crate::math::{MassProperties, best_fit_rotation};
@@ -390,9 +392,8 @@ fn check(setup: &BodySetup) -> Result<(), SimError> {
 /// Elastic constants of the materials of a body.
 pub(super) fn elastic_constants(setup: &BodySetup) -> Result<Vec<ElasticConstants>, SimError> {
     let constants = setup.materials.iter().map(|m| {
-        ElasticConstants::new(m.youngs_modulus_pa, m.poisson_ratio, m.density_kg_m3).map_err(|e| {
-            SimError::Setup(format!("body `{}`: material `{}`: {e}", setup.name, m.name))
-        })
+        ElasticConstants::new(m.youngs_modulus_pa, m.poisson_ratio, m.density_kg_m3)
+            .map_err(|e| SimError::Setup(format!("body `{}`: material `{}`: {e}", setup.name, m.name)))
     });
     constants.collect()
 }

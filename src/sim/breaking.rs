@@ -12,8 +12,8 @@ use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, SimError};
 use crate::contact::ContactSurface;
 use crate::fem::{ElasticConstants, ElementBatches};
 use crate::fracture::{
-    Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, LimitsReached, NodeBirth, NodeState,
-    PrincipalStress, Propagation, Solid,
+    Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, LimitsReached, NodeBirth,
+    NodeState, PrincipalStress, Propagation, Solid,
 };
 use crate::math::MassProperties;
 use crate::mesh::Surface;
@@ -71,7 +71,9 @@ impl Breaking {
             ));
         }
         if setup.mass_scaling_max_share > 0.0 {
-            return Err(fail("a body that can break cannot have mass scaling; leave one of them out".to_owned()));
+            return Err(fail(
+                "a body that can break cannot have mass scaling; leave one of them out".to_owned(),
+            ));
         }
         let constants = super::body::elastic_constants(setup)?;
         let of_element = |e: usize| constants[setup.element_material[e] as usize];
@@ -223,8 +225,7 @@ impl Body {
         breaking.next_look_s = time_s + breaking.look_every_s;
         let failures = self.failures(time_s)?;
         let Some(breaking) = self.breaking.as_mut().filter(|_| !failures.is_empty()) else { return Ok(None) };
-        let nodes =
-            NodeState { positions_m: &mut self.position_m, velocities_m_s: &mut self.velocity_m_s };
+        let nodes = NodeState { positions_m: &mut self.position_m, velocities_m_s: &mut self.velocity_m_s };
         let pace = &breaking.pace;
         let may_crack = |element: u32| pace.may_crack(element, time_s);
         let changes = breaking.solid.propagate(nodes, &failures, &breaking.propagation, may_crack);
@@ -241,7 +242,9 @@ impl Body {
     }
 
     fn failures(&self, time_s: f64) -> Result<Vec<Failure>, SimError> {
-        let (Some(breaking), Some(elasticity)) = (&self.breaking, &self.elasticity) else { return Ok(Vec::new()) };
+        let (Some(breaking), Some(elasticity)) = (&self.breaking, &self.elasticity) else {
+            return Ok(Vec::new());
+        };
         let strained = elasticity.elements.strained_stresses_pa(
             &elasticity.scratch,
             &self.position_m,
@@ -265,9 +268,8 @@ impl Body {
         self.reference_m = solid.reference_m().to_vec();
         self.tets = solid.tets().to_vec();
         self.mass_kg = (0..solid.node_count() as u32).map(|n| solid.node_mass_kg(n)).collect();
-        let constants: Vec<ElasticConstants> = (0..self.tets.len() as u32)
-            .map(|e| breaking.constants[breaking.material(e) as usize])
-            .collect();
+        let constants: Vec<ElasticConstants> =
+            (0..self.tets.len() as u32).map(|e| breaking.constants[breaking.material(e) as usize]).collect();
         let elements = ElementBatches::new(&self.reference_m, &self.tets, &constants)
             .map_err(|e| SimError::Setup(format!("body `{}` after fracture: {e}", self.name)))?;
         if let Some(elasticity) = &mut self.elasticity {

@@ -45,12 +45,17 @@ impl FrameParts {
         let triangles = &body.surface.triangles;
         let behind = &body.boundary.triangle_tet;
         let breaking = body.breaking.as_ref();
-        let material = |t: &u32| breaking.map_or_else(|| self.element_material[*t as usize], |b| b.material(*t));
+        let material =
+            |t: &u32| breaking.map_or_else(|| self.element_material[*t as usize], |b| b.material(*t));
         let fragment = |t: &u32| breaking.map_or(0, |b| b.solid.fragments().of_element()[*t as usize]);
         self.surface = Arc::new(SurfaceTopology {
             triangles: triangles.iter().map(|t| t.map(|n| vertex_of[n as usize])).collect(),
             triangle_material: behind.iter().map(material).collect(),
-            triangle_is_crack: behind.iter().zip(triangles).map(|(t, nodes)| is_crack(body, *t, nodes)).collect(),
+            triangle_is_crack: behind
+                .iter()
+                .zip(triangles)
+                .map(|(t, nodes)| is_crack(body, *t, nodes))
+                .collect(),
             triangle_fragment: behind.iter().map(fragment).collect(),
             triangle_element: behind.clone(),
         });

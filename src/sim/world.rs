@@ -123,7 +123,11 @@ impl World {
     /// [`SimError::Setup`] when a body, material or parameter is unsound.
     pub fn new(setup: WorldSetup) -> Result<Self, SimError> {
         check(&setup)?;
-        let mut bodies = setup.bodies.iter().map(|body| Body::new(body, &setup.fracture)).collect::<Result<Vec<_>, _>>()?;
+        let mut bodies = setup
+            .bodies
+            .iter()
+            .map(|body| Body::new(body, &setup.fracture))
+            .collect::<Result<Vec<_>, _>>()?;
         for body in &mut bodies {
             start(body, &setup)?;
         }

@@ -81,7 +81,8 @@ fn read_formula(table: &mut Table) -> Option<Formula> {
     let text = table.required_text("formula");
     let parameters = table.table("parameters").map(|mut table| table.named_numbers()).unwrap_or_default();
     // Asked for here so that they stay known where the formula is refused.
-    let parameters: Vec<(&str, f64)> = parameters.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    let parameters: Vec<(&str, f64)> =
+        parameters.iter().map(|(name, value)| (name.as_str(), *value)).collect();
     if !table.has("formula") {
         return None;
     }
