@@ -12,10 +12,9 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, measurement:
 use glam::DVec3;
 use hammerfall::contact::candidates::{Candidates, SurfaceBoxes, between};
 use hammerfall::contact::constraint::Feature;
-use hammerfall::contact::response::{
-    ContactNode, NodeTable, ResponseParameters, ResponseReport, set_targets, solve, sort_by_place,
-};
-use hammerfall::contact::{BodyView, CollisionList, Constraint, ContactSurface, Near, PairView};
+use hammerfall::contact::nodes::{ContactNode, NodeTable};
+use hammerfall::contact::response::{ResponseParameters, ResponseReport, set_targets, solve, sort_by_place};
+use hammerfall::contact::{BodyView, CollisionList, Constraint, ContactSurface, Near, PairDepths, PairView};
 use hammerfall::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
 use hammerfall::mesh::{Surface, TetMesh};
 use hammerfall::sim::{
@@ -131,8 +130,15 @@ impl Press {
         });
         let list = CollisionList::default();
         let step_s = self.step_s;
-        let pair =
-            PairView { bodies: [0, 1], views, candidates, friction_coefficient: 0.3, step_s, list: &list };
+        let pair = PairView {
+            bodies: [0, 1],
+            views,
+            candidates,
+            friction_coefficient: 0.3,
+            step_s,
+            list: &list,
+            depths: PairDepths::CONSTRAINED,
+        };
         let fastest_m_s = self.bodies.iter().flat_map(|b| &b.velocities_m_s);
         let fastest_m_s = fastest_m_s.map(|v| v.length()).fold(0.0, f64::max);
         let mut found = Vec::new();

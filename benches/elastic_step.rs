@@ -8,8 +8,6 @@ use std::time::Duration;
 
 /// Boxes along each side; six tetrahedra each: 1,296, 10,368, 105,456 and 998,250.
 const CELLS: [usize; 4] = [6, 12, 26, 55];
-/// Nodes that one task updates.
-const TASK_NODES: usize = 4096;
 
 /// Every size, kinematics, and one and two threads; the throughput is in elements a second.
 pub fn elastic_step(criterion: &mut Criterion) {
@@ -72,12 +70,14 @@ impl Body {
         let state =
             self.elements.forces(&mut self.scratch, &self.positions_m, kinematics, &mut self.forces_n);
         let step_s = self.step_s;
+        // One piece a thread: nodes stay in the cache of the core that had them in the last step.
+        let task_nodes = self.positions_m.len().div_ceil(rayon::current_num_threads());
         let chunks = self
             .positions_m
-            .par_chunks_mut(TASK_NODES)
-            .zip(self.velocities_m_s.par_chunks_mut(TASK_NODES))
-            .zip(self.forces_n.par_chunks(TASK_NODES))
-            .zip(self.inverse_masses_per_kg.par_chunks(TASK_NODES));
+            .par_chunks_mut(task_nodes)
+            .zip(self.velocities_m_s.par_chunks_mut(task_nodes))
+            .zip(self.forces_n.par_chunks(task_nodes))
+            .zip(self.inverse_masses_per_kg.par_chunks(task_nodes));
         chunks.for_each(|(((positions, velocities), forces), inverse_masses)| {
             let nodes = positions.iter_mut().zip(velocities).zip(forces).zip(inverse_masses);
             for (((x, v), f), inverse_mass) in nodes {

@@ -1,11 +1,8 @@
 //! Which pairs pressed in the last step: the memory of the atomic table.
 
-use super::constraint::{Constraint, Feature};
+use super::constraint::{Constraint, Feature, SAME_SIDE};
 use super::impact::ImpactStores;
 use glam::DVec3;
-
-/// Cosine of the angle up to which a patch continues the one that held a node before.
-const SAME_SIDE: f64 = 0.8;
 
 /// (body of the node, node, body of the patch).
 pub(super) type HeldNode = (u32, u32, u32);
@@ -71,9 +68,18 @@ impl CollisionList {
 
     /// Whether the node was held by the body along about this normal.
     pub(super) fn holds(&self, key: HeldNode, normal: DVec3) -> bool {
+        self.node_impulse_n_s(key, normal).is_some()
+    }
+
+    fn node_impulse_n_s(&self, key: HeldNode, normal: DVec3) -> Option<DVec3> {
         let first = self.held_nodes.partition_point(|h| h.0 < key);
-        let same = self.held_nodes[first..].iter().take_while(|h| h.0 == key);
-        same.into_iter().any(|h| h.1.dot(normal) > SAME_SIDE)
+        let mut same = self.held_nodes[first..].iter().take_while(|h| h.0 == key);
+        same.find(|h| h.1.dot(normal) > SAME_SIDE).map(|h| h.2)
+    }
+
+    fn edge_impulse_n_s(&self, key: HeldEdges) -> Option<DVec3> {
+        let at = self.held_edges.binary_search_by_key(&key, |h| h.0).ok()?;
+        Some(self.held_edges[at].1)
     }
 
     /// Gives every pair that pressed in the last step its impulse of then, as a first guess.
@@ -92,23 +98,17 @@ impl CollisionList {
     fn last_impulse_n_s(&self, c: &Constraint) -> Option<DVec3> {
         match c.feature {
             Feature::NodeOnPatch { node, .. } => {
-                let key = (c.bodies[0], node, c.bodies[1]);
-                let first = self.held_nodes.partition_point(|h| h.0 < key);
-                let same = self.held_nodes[first..].iter().take_while(|h| h.0 == key);
-                same.into_iter().find(|h| h.1.dot(c.normal) > SAME_SIDE).map(|h| h.2)
+                self.node_impulse_n_s((c.bodies[0], node, c.bodies[1]), c.normal)
             }
             Feature::EdgeOnEdge { first, second } => {
-                let key = (c.bodies[0], c.bodies[1], first, second);
-                let at = self.held_edges.binary_search_by_key(&key, |h| h.0).ok()?;
-                Some(self.held_edges[at].1)
+                self.edge_impulse_n_s((c.bodies[0], c.bodies[1], first, second))
             }
         }
     }
 
     /// Whether the two edges pressed.
     pub(super) fn holds_edges(&self, bodies: [u32; 2], edges: [u32; 2]) -> bool {
-        let key = (bodies[0], bodies[1], edges[0], edges[1]);
-        self.held_edges.binary_search_by_key(&key, |h| h.0).is_ok()
+        self.edge_impulse_n_s((bodies[0], bodies[1], edges[0], edges[1])).is_some()
     }
 
     /// Whether no pair pressed.

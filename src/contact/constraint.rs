@@ -28,6 +28,9 @@ pub enum Feature {
     },
 }
 
+/// Cosine of the angle between the normals of two pairs up to which they may be one contact, a step apart or side by side.
+pub(super) const SAME_SIDE: f64 = 0.8;
+
 /// A contact constraint.
 #[derive(Clone, Copy, Debug)]
 pub struct Constraint {

@@ -19,8 +19,6 @@ const NEAR: f64 = 1e-3;
 /// Penetration, as a share of the local element size, that a *new* pair may begin with: what a pair that was
 /// left out as redundant may have gathered.
 const NEW_PAIR_DEPTH: f64 = 4e-4;
-/// Penetration that a node already held by the same body may carry when it slides on to the next patch.
-const HELD_PAIR_DEPTH: f64 = 0.05;
 /// Cosine of the angle up to which two patches at a node are one plane.
 const SAME_PLANE: f64 = 0.9999;
 /// Mean of the cosines between the edges at a node and a patch's normal down to which the node's body counts as lying
@@ -63,6 +61,27 @@ pub struct PairView<'a> {
     pub step_s: f64,
     /// Which pairs pressed in the last step.
     pub list: &'a CollisionList,
+    /// How deep pairs may be and still count.
+    pub depths: PairDepths,
+}
+
+/// Penetrations up to which pairs count, as shares of the local size. Deeper ones are features of the far side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairDepths {
+    /// Of a node and a patch that did not press in the last step.
+    pub new: f64,
+    /// Of two edges that did not press in the last step.
+    pub new_edges: f64,
+    /// Of a pair that pressed, also when it has moved on to the next patch.
+    pub held: f64,
+}
+
+impl PairDepths {
+    /// Where constraints keep the bodies apart.
+    pub const CONSTRAINED: Self = Self { new: NEW_PAIR_DEPTH, new_edges: NEAR, held: 0.05 };
+    /// Where springs let the bodies into each other, and steps begin with a penetration: half an element,
+    /// since beyond that a node may belong to the other side of a thin body.
+    pub const SPRINGS: Self = Self { new: 0.5, new_edges: 0.5, held: 0.5 };
 }
 
 /// Two features so near that they may touch within the step, and how they lie at its start.
@@ -265,13 +284,13 @@ impl<'a> NodeSide<'a> {
             other.surface.triangle_size_m[triangle as usize].min(own.surface.node_size_m[node as usize]);
         let x = own.positions_m[node as usize];
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
-        if is_out_of_reach(x, patch_m, [NEAR * size_m + way_m + slack_m, HELD_PAIR_DEPTH * size_m]) {
+        if is_out_of_reach(x, patch_m, [NEAR * size_m + way_m + slack_m, self.pair.depths.held * size_m]) {
             return None;
         }
         let geometry = Geometry::node_on_patch(x, patch_m)?;
         let foot = foot(&geometry);
         let is_beside = foot < -BORDER && (geometry.gap_m <= 0.0 || -foot * size_m > 4.0 * (way_m + slack_m));
-        if is_beside || geometry.gap_m < -HELD_PAIR_DEPTH * size_m {
+        if is_beside || geometry.gap_m < -self.pair.depths.held * size_m {
             return None;
         }
         Some(NearPair {
@@ -304,7 +323,9 @@ impl<'a> NodeSide<'a> {
         }
         let path = self.paths(node, [a, b, c]);
         let is_own = self.bodies[0] == self.bodies[1];
-        let touches = path.touches(&near.geometry, near.size_m, is_held || is_own);
+        let depths = &self.pair.depths;
+        let is_too_deep = near.geometry.gap_m < -near.size_m * if is_held { depths.held } else { depths.new };
+        let touches = !is_too_deep && path.touches(&near.geometry, near.size_m, is_held || is_own);
         touches.then(|| near.constraint(self.bodies, &self.views, self.pair))
     }
 }
@@ -333,11 +354,8 @@ struct Paths {
 }
 
 impl Paths {
+    /// Whether they touch, unless they lie too deep.
     fn touches(&self, geometry: &Geometry, size_m: f64, is_held: bool) -> bool {
-        let depth = if is_held { HELD_PAIR_DEPTH } else { NEW_PAIR_DEPTH };
-        if geometry.gap_m < -depth * size_m {
-            return false;
-        }
         let is_over_patch = geometry.is_inside(BORDER);
         // Away from the borders, or for a node on the patch, the meeting point is decided by the start.
         let is_clear = foot(geometry).abs() * size_m > 4.0 * self.tangential_m();
@@ -382,13 +400,13 @@ fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Optio
     let at = |view: &BodyView, n: [u32; 2]| n.map(|n| view.positions_m[n as usize]);
     let (p, q) = (at(view1, n1), at(view2, n2));
     let size_m = (p[1] - p[0]).length().min((q[1] - q[0]).length());
-    let reach_m = HELD_PAIR_DEPTH * size_m + way_m;
+    let reach_m = pair.depths.held * size_m + way_m;
     if !edges_may_touch(p, q, reach_m) {
         return None;
     }
     let fans = [edge_fan(view1, first), edge_fan(view2, second)];
     let geometry = Geometry::edge_on_edge(p, q, fans[1].outward - fans[0].outward)?;
-    let is_near = geometry.gap_m >= -HELD_PAIR_DEPTH * size_m
+    let is_near = geometry.gap_m >= -pair.depths.held * size_m
         && geometry.is_inside(-BORDER)
         && fans[1].contains(geometry.normal)
         && fans[0].contains(-geometry.normal);
@@ -402,7 +420,8 @@ fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Optio
 
 fn edge_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
     let Feature::EdgeOnEdge { first, second } = near.feature else { return None };
-    let depth = if pair.list.holds_edges(pair.bodies, [first, second]) { HELD_PAIR_DEPTH } else { NEAR };
+    let is_held = pair.list.holds_edges(pair.bodies, [first, second]);
+    let depth = if is_held { pair.depths.held } else { pair.depths.new_edges };
     let touches = near.geometry.gap_m >= -depth * near.size_m
         && near.gap_after_m(&pair.views, pair.step_s) <= NEAR * near.size_m;
     touches.then(|| near.constraint(pair.bodies, &pair.views, pair))
@@ -472,6 +491,7 @@ mod tests {
             friction_coefficient: 0.0,
             step_s,
             list: &CollisionList::default(),
+            depths: PairDepths::CONSTRAINED,
         };
         let mut out = Vec::new();
         Near::of(&pair, step_s * velocity.length(), 0.0).find(&pair, &mut out);

@@ -7,7 +7,8 @@
 //! layer of half an element that the mesh does not resolve keeps it as strain. When the pair opens, it gets the
 //! energy back as a blow: the stop, reversed in time. Momentum is exact in both.
 
-use super::constraint::{Constraint, Feature};
+use super::constraint::{Constraint, Feature, SAME_SIDE};
+use crate::math::DisjointSets;
 use glam::DVec3;
 
 /// Energy that the impact of one pair has stored.
@@ -54,8 +55,6 @@ impl ImpactStore {
 /// Distance over the local size up to which two pairs of the same bodies are at one place: a little more than from node
 /// to node.
 const REACH: f64 = 3.0;
-/// Cosine of the angle between their normals up to which they are.
-const SAME_SIDE: f64 = 0.8;
 
 /// What a store belongs to: a node on a body, or an edge on an edge.
 type StoreKey = (u32, u32, u32, Option<u32>);
@@ -195,26 +194,16 @@ fn places(constraints: &[Constraint]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..constraints.len()).collect();
     order.sort_by(|a, b| constraints[*a].place_m.x.total_cmp(&constraints[*b].place_m.x).then(a.cmp(b)));
     let widest_m = constraints.iter().map(|c| REACH * c.size_m).fold(0.0, f64::max);
-    let mut parent: Vec<usize> = (0..constraints.len()).collect();
+    let mut sets = DisjointSets::new(constraints.len());
     for (at, &i) in order.iter().enumerate() {
         let c = &constraints[i];
         let near = order[at + 1..]
             .iter()
             .take_while(|j| constraints[**j].place_m.x - c.place_m.x <= widest_m)
             .filter(|j| are_at_one_place(c, &constraints[**j]));
-        for &j in near {
-            let (a, b) = (root(&parent, i), root(&parent, j));
-            parent[a.max(b)] = a.min(b);
-        }
+        near.for_each(|j| sets.join(i as u32, *j as u32));
     }
-    (0..constraints.len()).map(|i| root(&parent, i)).collect()
-}
-
-fn root(parent: &[usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        i = parent[i];
-    }
-    i
+    (0..constraints.len()).map(|i| sets.root(i as u32) as usize).collect()
 }
 
 fn are_at_one_place(a: &Constraint, b: &Constraint) -> bool {

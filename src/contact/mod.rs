@@ -8,13 +8,16 @@ pub mod candidates;
 pub mod collision_list;
 pub mod constraint;
 pub mod detect;
-pub mod geometry;
+pub mod first_guess;
+mod geometry;
 pub mod impact;
+pub mod nodes;
+mod passes;
 pub mod response;
 pub mod surface;
 pub mod time_of_impact;
 
 pub use collision_list::CollisionList;
 pub use constraint::Constraint;
-pub use detect::{BodyView, Near, PairView};
+pub use detect::{BodyView, Near, PairDepths, PairView};
 pub use surface::ContactSurface;

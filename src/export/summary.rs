@@ -239,8 +239,11 @@ impl Extremes {
         self.most_contact_pairs = self.most_contact_pairs.max(step.contact_pairs);
         self.most_passes = self.most_passes.max(step.passes);
         self.largest_last_change = self.largest_last_change.max(step.last_change);
-        let shortest_s = self.shortest_step_s.unwrap_or(f64::INFINITY);
-        self.shortest_step_s = Some(shortest_s.min(step.step_s));
+        // A touch at the very start of a step ends it before time has passed.
+        if step.step_s > 0.0 {
+            let shortest_s = self.shortest_step_s.unwrap_or(f64::INFINITY);
+            self.shortest_step_s = Some(shortest_s.min(step.step_s));
+        }
     }
 }
 

@@ -17,7 +17,7 @@ const PARALLEL_CHUNKS: usize = 8;
 /// Chunks from which memory is asked ahead of use: 25 MB, more than a core's own cache.
 const PREFETCH_CHUNKS: usize = 512;
 /// Nodes that one task sums.
-const TASK_NODES: usize = 4096;
+const TASK_NODES: usize = 1024;
 
 /// Strain measure of the force.
 #[derive(Clone, Copy, Debug, PartialEq)]

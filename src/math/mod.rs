@@ -1,9 +1,11 @@
-//! What glam has not: symmetric 3x3 eigenvalues, rotations, mass properties.
+//! What glam has not: symmetric 3x3 eigenvalues, rotations, mass properties, disjoint sets.
 
+mod disjoint_sets;
 mod mass_properties;
 mod rotation;
 mod symmetric_eigen;
 
+pub(crate) use disjoint_sets::DisjointSets;
 pub use mass_properties::{MassProperties, inertia_of_point_kg_m2, solve_inertia};
 pub use rotation::{best_fit_rotation, rotation_from_vector, skew};
 pub use symmetric_eigen::{SymmetricEigen, symmetric_eigen, symmetric_eigenvalues};

@@ -4,6 +4,7 @@
 //! Everything is built by sorting, so the result depends on the numbering of the mesh alone.
 
 use super::TetMesh;
+use crate::math::DisjointSets;
 use rayon::slice::ParallelSliceMut as _;
 
 /// Corners of the four faces of a right-handed tetrahedron, each counter-clockwise from outside;
@@ -282,7 +283,7 @@ impl Pieces {
 
     #[expect(clippy::cast_possible_truncation, reason = "meshes hold fewer than 2^32 tetrahedra")]
     fn numbered(sets: &mut DisjointSets, tet_count: usize, member_of: impl Fn(u32) -> u32) -> Self {
-        let mut piece_of_root = vec![u32::MAX; sets.parent.len()];
+        let mut piece_of_root = vec![u32::MAX; sets.count()];
         let mut count = 0;
         let of_tet = (0..tet_count as u32)
             .map(|tet| {
@@ -295,31 +296,6 @@ impl Pieces {
             })
             .collect();
         Self { count: count as usize, of_tet }
-    }
-}
-
-/// Union-find whose root is always the smallest member.
-struct DisjointSets {
-    parent: Vec<u32>,
-}
-
-impl DisjointSets {
-    fn new(count: usize) -> Self {
-        Self { parent: (0_u32..).take(count).collect() }
-    }
-
-    fn root(&mut self, mut member: u32) -> u32 {
-        while self.parent[member as usize] != member {
-            let grandparent = self.parent[self.parent[member as usize] as usize];
-            self.parent[member as usize] = grandparent;
-            member = grandparent;
-        }
-        member
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
     }
 }
 

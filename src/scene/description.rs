@@ -211,7 +211,7 @@ pub struct Contact {
     pub pairs: Vec<([String; 2], f64)>,
     /// Whether bodies collide with themselves.
     pub self_collision: bool,
-    /// Closing speed below which nothing bounces, m/s; `None` derives it.
+    /// Closing speed below which an impact gives nothing back, m/s; `None` derives it.
     pub rest_speed_m_s: Option<f64>,
 }
 

@@ -5,7 +5,7 @@
 
 use super::body::{Body, Regime};
 use crate::contact::candidates::{Candidates, SurfaceBoxes, are_near_in_reference, between, within};
-use crate::math::best_fit_rotation;
+use crate::math::{DisjointSets, best_fit_rotation};
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 
@@ -309,25 +309,17 @@ pub(super) fn fastest_m_s(body: &Body) -> f64 {
 /// Groups of bodies that may act on each other, each ascending, ordered by their first body: connected
 /// by near pairs, through bodies that move by their own dynamics only.
 pub(super) fn islands(bodies: &[Body], pairs: &[NearPair]) -> Vec<Vec<usize>> {
-    let mut parent: Vec<usize> = (0..bodies.len()).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
+    let mut sets = DisjointSets::new(bodies.len());
     for pair in pairs {
         if pair.bodies.iter().all(|b| bodies[*b].is_deformable()) {
-            let [a, b] = pair.bodies.map(|b| root(&mut parent, b));
-            let (low, high) = (a.min(b), a.max(b));
-            parent[high] = low;
+            let [a, b] = pair.bodies.map(|b| b as u32);
+            sets.join(a, b);
         }
     }
     let mut groups: Vec<Vec<usize>> = vec![Vec::new(); bodies.len()];
     for body in 0..bodies.len() {
         if bodies[body].regime == Regime::Elastic {
-            groups[root(&mut parent, body)].push(body);
+            groups[sets.root(body as u32) as usize].push(body);
         }
     }
     groups.retain(|g| !g.is_empty());

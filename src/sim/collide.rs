@@ -4,11 +4,11 @@ use super::body::{Body, Regime};
 use super::broad::{NearPair, fastest_m_s};
 use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
+use crate::contact::nodes::{ContactNode, NodeTable};
 use crate::contact::response::{
-    ContactNode, NodeTable, ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets,
-    solve, sort_by_place,
+    ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets, solve, sort_by_place,
 };
-use crate::contact::{BodyView, CollisionList, Constraint, Near, PairView};
+use crate::contact::{BodyView, CollisionList, Constraint, Near, PairDepths, PairView};
 use glam::DVec3;
 
 /// Rounds of "respond, look whether the correction closed a pair that was left out".
@@ -61,6 +61,10 @@ impl ContactScene<'_> {
             friction_coefficient: self.friction(pair.bodies),
             step_s: self.step_s,
             list: self.list,
+            depths: match self.parameters.method {
+                ContactMethod::Penalty { .. } => PairDepths::SPRINGS,
+                ContactMethod::Lagrange { .. } => PairDepths::CONSTRAINED,
+            },
         }
     }
 
@@ -115,22 +119,22 @@ impl ContactScene<'_> {
         is_node && (c.bodies[0] == c.bodies[1] || is_finer(own, other))
     }
 
-    /// Sorts out what both sides would say twice, so that the passes converge fast: a coarser body's node
-    /// on a patch all of whose corners touch the coarser body themselves. Returns what is to be enforced and what is to
-    /// be watched.
-    fn without_redundant(&self, found: Vec<Constraint>) -> (Vec<Constraint>, Vec<Constraint>) {
+    /// Leaves out what both sides would say twice, so that the passes converge fast: a coarser body's node
+    /// on a patch all of whose corners touch the coarser body themselves.
+    fn without_redundant(&self, mut found: Vec<Constraint>) -> Vec<Constraint> {
         let mut touching: Vec<(u32, u32, u32)> = found
             .iter()
             .filter(|c| self.is_primary(c))
             .map(|c| (c.bodies[0], c.nodes[0].1, c.bodies[1]))
             .collect();
         touching.sort_unstable();
-        found.into_iter().partition(|c| {
+        found.retain(|c| {
             let corner_touches =
                 |corner: &(u8, u32)| touching.binary_search(&(c.bodies[1], corner.1, c.bodies[0])).is_ok();
             let is_node = matches!(c.feature, Feature::NodeOnPatch { .. });
             !is_node || self.is_primary(c) || !c.nodes[1..].iter().all(corner_touches)
-        })
+        });
+        found
     }
 
     /// Closing speed below which nothing bounces, m/s.
@@ -199,7 +203,7 @@ fn solve_all(
     (look, found): (&mut Look, Vec<Constraint>),
     parameters: &ResponseParameters,
 ) -> (ResponseReport, Vec<Constraint>) {
-    let (mut active, _) = scene.without_redundant(found);
+    let mut active = scene.without_redundant(found);
     scene.list.recall_impulses(&mut active);
     let mut round = 0;
     loop {

@@ -122,12 +122,12 @@ pub struct BodySetup {
 pub enum ContactMethod {
     /// Forward Lagrange multipliers (METHOD 5).
     Lagrange {
-        /// Gauss-Seidel passes at most, at least 1; more are taken only while a penetration
-        /// above the tolerance is left.
+        /// Gauss-Seidel passes that should do, at least 1; more are taken while the multipliers still change
+        /// or a penetration is left.
         passes: u32,
         /// Largest relative change of a multiplier at which the passes stop (1e-4 = 0.01 %).
         tolerance: f64,
-        /// Whether the closing impact of a pair conserves energy.
+        /// Whether what an impact takes is given back when the pair opens.
         conserve_impact_energy: bool,
     },
     /// Springs between node and patch: the baseline.
@@ -157,7 +157,7 @@ pub struct ContactParameters {
     pub pair_friction: Vec<PairFriction>,
     /// Whether bodies collide with themselves.
     pub self_collision: bool,
-    /// Closing speed below which nothing bounces, m/s; `None` derives it from gravity and step.
+    /// Closing speed below which an impact gives nothing back, m/s; `None` derives it from gravity and step.
     pub rest_speed_m_s: Option<f64>,
 }
 

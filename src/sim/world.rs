@@ -111,7 +111,7 @@ pub struct World {
     pub(super) fragments: usize,
     pub(super) contact_dissipated_j: f64,
     pub(super) contact_work_j: f64,
-    /// Energy in penalty springs, J.
+    /// Energy in penalty springs and in what pairs have stored of impacts, J.
     pub(super) spring_j: f64,
     pub(super) largest_penetration_ratio: f64,
 }

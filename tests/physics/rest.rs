@@ -2,7 +2,7 @@
 
 use crate::build::{body, box_mesh, fixed, material, rubber, run, steel};
 use glam::{DQuat, DVec3};
-use hammerfall::sim::{BodySetup, Stage, World, WorldSetup};
+use hammerfall::sim::{BodySetup, ContactMethod, Stage, World, WorldSetup};
 
 const G: f64 = 9.81;
 
@@ -275,4 +275,18 @@ fn the_same_world_gives_the_same_bytes_on_one_thread_and_two() {
     let one = history(1);
     assert!(one.len() > 300);
     assert!(one == history(2) && one == history(1));
+}
+
+#[test]
+fn penalty_springs_hold_a_dropped_cube() {
+    // It goes in by some tenths of an element: v sqrt(m / k) with four springs below it.
+    let cube =
+        body("cube", box_mesh(DVec3::splat(0.1), [2, 2, 2], DVec3::Z * 0.15), material(1000.0, 1e6, 0.3));
+    let mut setup = world(vec![ground(), cube]);
+    setup.contact.method = ContactMethod::Penalty { stiffness_n_m: 1e5 };
+    let mut world = World::new(setup).unwrap();
+    let mut lowest = f64::INFINITY;
+    run(&mut world, 0.5, |world, _| lowest = lowest.min(world.body_pose(1).1.z));
+    assert!(lowest > 0.03, "the cube's centre came down to {lowest}");
+    assert!(world.contact_episodes().iter().any(|e| e.impulse_n_s.length() > 1.0));
 }

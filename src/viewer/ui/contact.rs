@@ -97,7 +97,7 @@ fn method(ui: &mut Ui, method: &mut ContactMethod) -> bool {
 }
 
 fn passes_slider(ui: &mut Ui, passes: &mut u32) -> bool {
-    let hint = "Gauss-Seidel passes at most in a step; more only while a penetration is left";
+    let hint = "Gauss-Seidel passes that should do in a step; more while forces still change or a penetration is left";
     ui.horizontal(|ui| {
         ui.label("Passes").on_hover_text(hint);
         ui.spacing_mut().slider_width = (ui.available_width() - 56.0).max(40.0);

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Renders the README's animations anew, with the program as it is. A change of what they show is a change to look at.
+set -euo pipefail
+# shellcheck source=scripts/lib.sh
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+ensure_rust
+ensure_linker
+ensure_vulkan software
+ensure_runtime_dir
+cargo build --locked
+for scene in hammer-ground hammer-table hammer-lamp rods-collision; do
+    say "rendering $scene-fine"
+    cargo run --locked --quiet -- render "$scene-fine" -o "assets/pictures/$scene.gif" --size 480x270 --fps 14
+done
