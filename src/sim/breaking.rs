@@ -8,6 +8,8 @@
 //! much as the weakest material must be to fail (the force loop knows), else the stresses of those chunks.
 
 use super::body::Body;
+use super::elastic::StepContext;
+use super::release::Releases;
 use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, SimError};
 use crate::contact::ContactSurface;
 use crate::fem::{ElasticConstants, ElementBatches};
@@ -25,6 +27,8 @@ const ALTITUDE_SHARE: f64 = 0.25;
 const CRACK_SPEED_SHARE: f64 = 0.5;
 /// Time between looks for failure in crossings of the smallest altitude by the fastest crack.
 const LOOK_SHARE: f64 = 0.5;
+/// Time in which a crack opens over the time in which it runs past the elements around its node.
+const RELEASE_SHARE: f64 = 0.5;
 /// Allowance of the strain filter for what moved since the strain was measured.
 const STRAIN_MARGIN: f64 = 0.9;
 
@@ -50,6 +54,9 @@ pub(super) struct Breaking {
     pub limits: LimitsReached,
     /// Nodes of each fragment, ascending.
     fragment_nodes: Vec<Vec<u32>>,
+    crack_speed_m_s: f64,
+    /// Cracks that are opening.
+    pub releases: Releases,
 }
 
 impl Breaking {
@@ -99,6 +106,8 @@ impl Breaking {
             crack_area_m2: 0.0,
             limits: LimitsReached::default(),
             fragment_nodes: Vec::new(),
+            crack_speed_m_s,
+            releases: Releases::default(),
             origin_material: setup.element_material.clone(),
             criteria,
             constants,
@@ -217,7 +226,8 @@ impl Body {
     ///
     /// # Errors
     /// A typed criterion that cannot be evaluated for a stress that occurs.
-    pub fn let_cracks_grow(&mut self, time_s: f64) -> Result<Option<Changes>, SimError> {
+    pub fn let_cracks_grow(&mut self, context: &StepContext) -> Result<Option<Changes>, SimError> {
+        let time_s = context.time_s;
         let Some(breaking) = &mut self.breaking else { return Ok(None) };
         if time_s < breaking.next_look_s {
             return Ok(None);
@@ -238,7 +248,35 @@ impl Body {
         }
         breaking.take_note(&changes, time_s);
         self.follow(&changes)?;
+        self.hold_crack_faces(context, &changes)?;
         Ok(Some(changes))
+    }
+
+    /// Holds the nodes of the changed elements as they were before the cuts; see [`super::release`].
+    fn hold_crack_faces(&mut self, context: &StepContext, changes: &Changes) -> Result<(), SimError> {
+        let mut before = std::mem::take(&mut self.acceleration_m_s2);
+        for birth in &changes.new_nodes {
+            before.push(match *birth {
+                NodeBirth::TwinOf(parent) => before[parent as usize],
+                NodeBirth::OnEdge { ends: [a, b], weight } => before[a as usize].lerp(before[b as usize], weight),
+            });
+        }
+        self.acceleration_m_s2 = vec![DVec3::ZERO; before.len()];
+        self.update_acceleration(context)?;
+        let Some(breaking) = &mut self.breaking else { return Ok(()) };
+        let held_n = |node: u32| {
+            let is_free = self.inverse_mass_per_kg[node as usize].cmpgt(DVec3::ZERO);
+            let change = before[node as usize] - self.acceleration_m_s2[node as usize];
+            (node, DVec3::select(is_free, change, DVec3::ZERO) * self.mass_kg[node as usize])
+        };
+        let held_n = changes.touched_nodes.iter().map(|node| held_n(*node)).collect();
+        let reach_m = changes.cuts.iter().map(|cut| cut.reach_m).fold(f64::INFINITY, f64::min);
+        let duration_s = RELEASE_SHARE * reach_m / breaking.crack_speed_m_s;
+        if duration_s.is_finite() {
+            breaking.releases.add(context.time_s, duration_s, held_n);
+            self.acceleration_m_s2 = before;
+        }
+        Ok(())
     }
 
     fn failures(&self, time_s: f64) -> Result<Vec<Failure>, SimError> {
@@ -281,9 +319,7 @@ impl Body {
         self.surface = ContactSurface::new(&self.boundary, &self.reference_m);
         self.follow_supports(changes);
         self.follow_loads(changes);
-        let nodes = self.reference_m.len();
-        self.acceleration_m_s2.resize(nodes, DVec3::ZERO);
-        self.force_n.resize(nodes, DVec3::ZERO);
+        self.force_n.resize(self.reference_m.len(), DVec3::ZERO);
         self.reference = MassProperties::of_points(&self.mass_kg, &self.reference_m);
         self.arms_m = self.reference_m.iter().map(|x| *x - self.reference.centre_m).collect();
         let sizes = &self.surface.triangle_size_m;
@@ -315,12 +351,15 @@ impl Body {
         }
     }
 
-    /// A load on a node that has been doubled is shared by mass.
+    /// A force on a node that has been doubled is shared by mass.
     fn follow_loads(&mut self, changes: &Changes) {
         for (twin, birth) in (changes.first_node..).zip(&changes.new_nodes) {
             let NodeBirth::TwinOf(parent) = *birth else { continue };
             let [twin_kg, parent_kg] = [twin, parent].map(|n| self.mass_kg[n as usize]);
             let share = twin_kg / (twin_kg + parent_kg);
+            if let Some(breaking) = &mut self.breaking {
+                breaking.releases.share_with_twin(parent, twin, share);
+            }
             for load in &mut self.loads {
                 let Some(at) = load.node_forces_n.iter().position(|(n, _)| *n == parent) else { continue };
                 let force_n = load.node_forces_n[at].1;

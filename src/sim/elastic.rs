@@ -86,6 +86,9 @@ impl Body {
     /// Second half of the kick, after [`Self::update_acceleration`] at the new positions.
     pub fn kick_second_half(&mut self, c: &StepContext) {
         self.book_prescribed_work(c);
+        if let Some(breaking) = &self.breaking {
+            self.ledger.damped_j -= breaking.releases.work_j(&self.velocity_m_s, c.step_s);
+        }
         self.add_acceleration(0.5 * c.step_s);
         self.enforce_prescribed_velocities();
     }
@@ -121,11 +124,11 @@ impl Body {
         }
         let (centre, velocity, spin) = self.rigid_velocity();
         let mut taken_j = 0.0;
-        for ((v, x), m) in self.velocity_m_s.iter_mut().zip(&self.position_m).zip(&self.mass_kg) {
-            let rigid = velocity + spin.cross(*x - centre);
-            let deforming = *v - rigid;
+        let nodes = self.velocity_m_s.iter_mut().zip(&self.position_m).zip(&self.mass_kg);
+        for (((v, x), m), inverse) in nodes.zip(&self.inverse_mass_per_kg) {
+            let deforming = free_part(*v - velocity - spin.cross(*x - centre), *inverse);
             taken_j += 0.5 * m * deforming.length_squared() * (1.0 - factor * factor);
-            *v = rigid + deforming * factor;
+            *v -= deforming * (1.0 - factor);
         }
         self.ledger.damped_j += taken_j;
     }
@@ -144,10 +147,10 @@ impl Body {
                 if is_free { rigid_velocity(&mass_kg, &at_m, &velocity_m_s) } else { Default::default() };
             for ((n, x), m) in nodes.iter().zip(&at_m).zip(&mass_kg) {
                 let v = &mut self.velocity_m_s[*n as usize];
-                let rigid = velocity + spin.cross(*x - centre);
-                let deforming = *v - rigid;
+                let inverse = self.inverse_mass_per_kg[*n as usize];
+                let deforming = free_part(*v - velocity - spin.cross(*x - centre), inverse);
                 self.ledger.damped_j += 0.5 * m * deforming.length_squared() * (1.0 - factor * factor);
-                *v = rigid + deforming * factor;
+                *v -= deforming * (1.0 - factor);
             }
         }
     }
@@ -200,6 +203,9 @@ impl Body {
         self.hold_step_factor();
         self.add_stiffness_damping(c.step_s);
         self.add_loads(c);
+        if let Some(breaking) = &mut self.breaking {
+            breaking.releases.advance(c.time_s, &mut self.force_n);
+        }
         let gravity = c.gravity_m_s2;
         let force = &self.force_n;
         let mass = &self.mass_kg;
@@ -281,6 +287,11 @@ fn rigid_velocity(mass_kg: &[f64], positions_m: &[DVec3], velocities_m_s: &[DVec
     let nodes = mass_kg.iter().zip(velocities_m_s).zip(positions_m);
     let angular: DVec3 = nodes.map(|((m, v), x)| (*x - now.centre_m).cross(*v - velocity) * *m).sum();
     (now.centre_m, velocity, solve_inertia(&now.inertia_kg_m2, angular))
+}
+
+/// A velocity without the axes along which the motion is prescribed.
+fn free_part(velocity_m_s: DVec3, inverse_mass_per_kg: DVec3) -> DVec3 {
+    DVec3::select(inverse_mass_per_kg.cmpgt(DVec3::ZERO), velocity_m_s, DVec3::ZERO)
 }
 
 fn for_nodes(out: &mut [DVec3], with: &[DVec3], f: impl Fn(&mut DVec3, &DVec3) + Sync + Send) {

@@ -14,6 +14,7 @@ mod collide;
 mod contact_log;
 mod elastic;
 mod publish;
+mod release;
 mod report;
 mod rest;
 mod rigid;

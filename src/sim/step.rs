@@ -188,10 +188,10 @@ impl World {
             if body.breaking.is_none() || body.regime != Regime::Elastic {
                 continue;
             }
-            let Some(changes) = body.let_cracks_grow(self.time_s)? else { continue };
             let context =
                 StepContext { time_s: self.time_s, step_s: 0.0, gravity_m_s2: self.setup.gravity_m_s2 };
-            body.update_acceleration(&context).map_err(|e| e.in_step(self.steps + 1))?;
+            let grown = body.let_cracks_grow(&context).map_err(|e| e.in_step(self.steps + 1))?;
+            let Some(changes) = grown else { continue };
             self.broad.forget(index);
             self.list.forget_edges_of(index as u32);
             self.frame_parts[index].renew_surface(&self.bodies[index]);

@@ -79,10 +79,7 @@ fn run(world: &mut World, end_s: f64) -> f64 {
 
 #[test]
 fn a_bar_pulled_apart_breaks_at_its_notch_and_balances_hold() {
-    let mut setup = pulled_bar();
-    // What a sudden break makes ring is the mesh's highest modes, whose energy long steps tell badly.
-    setup.time.cfl = 0.1;
-    let mut world = World::new(setup).unwrap();
+    let mut world = World::new(pulled_bar()).unwrap();
     let error_j = run(&mut world, 0.05);
     let end = world.sample();
     assert_eq!(end.fragments, 2, "{end:?}");
@@ -91,7 +88,7 @@ fn a_bar_pulled_apart_breaks_at_its_notch_and_balances_hold() {
         let middle = face.nodes.iter().map(|n| positions_m[*n as usize]).sum::<DVec3>() / 3.0;
         assert!(middle.x.abs() < 0.12, "a crack far from the notch: {middle}");
     }
-    assert!(error_j < 0.03 * end.external_work_j, "{error_j} of {}", end.external_work_j);
+    assert!(error_j < 0.01 * end.external_work_j, "{error_j} of {}", end.external_work_j);
     assert!(end.crack_area_m2 > 0.015, "{end:?}");
 }
 
@@ -157,7 +154,7 @@ fn every_criterion_runs_to_its_end_at_a_tenth_and_ten_times_its_strength() {
             let error_j = run(&mut world, 0.03);
             let end: Sample = world.sample();
             assert!(end.kinetic_j <= 1.01 * start.kinetic_j, "{strength:?}: {end:?}");
-            assert!(error_j < 0.03 * start.kinetic_j, "{strength:?}: {error_j} of {}", start.kinetic_j);
+            assert!(error_j < 0.01 * start.kinetic_j, "{strength:?}: {error_j} of {}", start.kinetic_j);
         }
     }
 }
