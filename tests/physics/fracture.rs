@@ -119,7 +119,7 @@ fn pieces_come_to_lie_on_the_ground() {
     setup.bodies.push(fixed("ground", ground));
     let mut world = World::new(setup).unwrap();
     let start = world.sample();
-    run(&mut world, 0.8);
+    run(&mut world, 1.4);
     let end = world.sample();
     assert!(end.fragments > 1, "{end:?}");
     let lowest_m = world.positions_m(1).iter().map(|x| x.z).fold(f64::INFINITY, f64::min);
