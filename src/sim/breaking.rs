@@ -258,7 +258,9 @@ impl Body {
         for birth in &changes.new_nodes {
             before.push(match *birth {
                 NodeBirth::TwinOf(parent) => before[parent as usize],
-                NodeBirth::OnEdge { ends: [a, b], weight } => before[a as usize].lerp(before[b as usize], weight),
+                NodeBirth::OnEdge { ends: [a, b], weight } => {
+                    before[a as usize].lerp(before[b as usize], weight)
+                }
             });
         }
         self.acceleration_m_s2 = vec![DVec3::ZERO; before.len()];
