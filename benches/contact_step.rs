@@ -243,6 +243,7 @@ fn held(name: &str, mesh: TetMesh, (velocity_m_s, height_m): (DVec3, f64)) -> Bo
         damping_per_s: 0.0,
         stiffness_damping_s: 0.0,
         color_srgb: [0.5; 3],
+        fracture: None,
     };
     BodySetup {
         name: name.to_owned(),

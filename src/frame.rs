@@ -16,6 +16,8 @@ pub struct SurfaceTopology {
     pub triangle_material: Vec<u32>,
     /// Whether the triangle is a crack face, born by fracture; gets its own tint.
     pub triangle_is_crack: Vec<bool>,
+    /// Fragment that the triangle belongs to, counted from 0 in each body; empty where nothing breaks.
+    pub triangle_fragment: Vec<u32>,
     /// Tetrahedron behind each triangle, an index into the body's elements.
     pub triangle_element: Vec<u32>,
 }
@@ -35,6 +37,8 @@ pub struct VertexFields {
     pub min_principal_pa: Vec<f32>,
     /// Mean normal stress (tension positive), Pa.
     pub mean_stress_pa: Vec<f32>,
+    /// Failure index: 0 unstressed, 1 fails; volume-weighted nodal mean.
+    pub failure_index: Vec<f32>,
 }
 
 /// How a body takes part, which pictures may show (the ground is drawn more quietly).
@@ -129,6 +133,8 @@ pub enum ColorBy {
     Material,
     /// Each body in its own colour.
     Body,
+    /// Each fragment in its own colour.
+    Fragment,
     /// Speed.
     Speed,
     /// Length of the displacement from the rigidly moved shape.
@@ -141,6 +147,8 @@ pub enum ColorBy {
     MinPrincipal,
     /// Mean normal stress, tension positive.
     MeanStress,
+    /// How near the material is to failure: 1 fails.
+    FailureIndex,
 }
 
 /// A word that is no field to colour by.
@@ -153,15 +161,17 @@ pub struct UnknownColorBy {
 
 impl ColorBy {
     /// All of them, in the order of menus.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Material,
         Self::Body,
+        Self::Fragment,
         Self::Speed,
         Self::Displacement,
         Self::VonMises,
         Self::MaxPrincipal,
         Self::MinPrincipal,
         Self::MeanStress,
+        Self::FailureIndex,
     ];
 
     /// The word on the command line and in scene files.
@@ -170,12 +180,14 @@ impl ColorBy {
         match self {
             Self::Material => "material",
             Self::Body => "body",
+            Self::Fragment => "fragment",
             Self::Speed => "speed",
             Self::Displacement => "displacement",
             Self::VonMises => "von-mises",
             Self::MaxPrincipal => "max-principal",
             Self::MinPrincipal => "min-principal",
             Self::MeanStress => "mean-stress",
+            Self::FailureIndex => "failure-index",
         }
     }
 
@@ -185,12 +197,14 @@ impl ColorBy {
         match self {
             Self::Material => "Material",
             Self::Body => "Body",
+            Self::Fragment => "Fragment",
             Self::Speed => "Speed",
             Self::Displacement => "Displacement",
             Self::VonMises => "Von Mises stress",
             Self::MaxPrincipal => "Max principal stress",
             Self::MinPrincipal => "Min principal stress",
             Self::MeanStress => "Mean stress",
+            Self::FailureIndex => "Failure index",
         }
     }
 
@@ -198,7 +212,7 @@ impl ColorBy {
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Material | Self::Body => "",
+            Self::Material | Self::Body | Self::Fragment | Self::FailureIndex => "",
             Self::Speed => "m/s",
             Self::Displacement => "m",
             Self::VonMises | Self::MaxPrincipal | Self::MinPrincipal | Self::MeanStress => "Pa",
@@ -214,20 +228,21 @@ impl ColorBy {
     /// Whether there are values behind the colours, and so a legend.
     #[must_use]
     pub fn has_values(self) -> bool {
-        !matches!(self, Self::Material | Self::Body)
+        !matches!(self, Self::Material | Self::Body | Self::Fragment)
     }
 
     /// The values at the vertices, in [`ColorBy::unit`]; `None` for colours without values.
     #[must_use]
     pub fn values(self, fields: &VertexFields) -> Option<&[f32]> {
         match self {
-            Self::Material | Self::Body => None,
+            Self::Material | Self::Body | Self::Fragment => None,
             Self::Speed => Some(&fields.speed_m_s),
             Self::Displacement => Some(&fields.displacement_m),
             Self::VonMises => Some(&fields.von_mises_pa),
             Self::MaxPrincipal => Some(&fields.max_principal_pa),
             Self::MinPrincipal => Some(&fields.min_principal_pa),
             Self::MeanStress => Some(&fields.mean_stress_pa),
+            Self::FailureIndex => Some(&fields.failure_index),
         }
     }
 

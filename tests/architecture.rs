@@ -18,10 +18,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("fracture", &["math", "mesh"]),
     ("frame", &[]),
     ("sim", &["math", "mesh", "fem", "contact", "fracture", "frame"]),
-    ("scene", &["math", "mesh", "frame", "io_reason", "sim"]),
+    ("scene", &["math", "mesh", "fracture", "frame", "io_reason", "sim"]),
     ("render", &["math", "frame"]),
     ("verify", &["math", "mesh", "fem", "contact", "fracture", "frame", "sim", "scene"]),
-    ("export", &["math", "mesh", "frame", "io_reason", "sim", "scene", "render"]),
+    ("export", &["math", "mesh", "fracture", "frame", "io_reason", "sim", "scene", "render"]),
     ("viewer", &["math", "mesh", "fem", "contact", "fracture", "frame", "sim", "scene", "render", "export"]),
     (
         "cli",

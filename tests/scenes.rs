@@ -542,6 +542,45 @@ fn saving_and_loading_gives_the_same_scene() {
 }
 
 #[test]
+fn wrong_fracture_is_refused_with_the_place() {
+    let fracture = |value: &str| format!("materials.rubber.fracture={value}");
+    let cases = [
+        (
+            "{criterion=\"tensil\"}",
+            "`materials.rubber.fracture.criterion` cannot be \"tensil\"; did you mean `tensile`?",
+        ),
+        ("{criterion=\"tensile\"}", "`tensile_strength` is missing"),
+        (
+            "{criterion=\"tensile\",tensile_strength=0}",
+            "`materials.rubber.fracture.tensile_strength` (Pa) must be above 0",
+        ),
+        ("{criterion=\"tensile\",tensile_strength=1,cohesion=2}", "unknown key `cohesion`"),
+        (
+            "{criterion=\"mohr-coulomb\",cohesion=1,friction_angle=90}",
+            "`materials.rubber.fracture.friction_angle`...below 90",
+        ),
+        ("{criterion=\"formula\",formula=\"s1 - Ft\",parameters={Fk=1}}", "column 6 of `s1 - Ft`...Ft"),
+        ("{criterion=\"formula\",formula=\"s1/0 - 1\"}", "column"),
+        ("{any_of=[]}", "`materials.rubber.fracture.any_of` needs at least one criterion"),
+    ];
+    for (value, message) in cases {
+        let set = fracture(value);
+        assert_problems(CUBE, &[&set], &[&format!("--set {set}: {message}")]);
+    }
+    assert_problems(
+        CUBE,
+        &["fracture.propagation=both"],
+        &["--set fracture.propagation=both: `fracture.propagation` cannot be"],
+    );
+    let sound = fracture(
+        "{any_of=[{criterion=\"tresca\",shear_strength=1e5},{criterion=\"tensile\",tensile_strength=1e5}]}",
+    );
+    let scene = build(CUBE, &[&sound, "fracture.max_elements=90"]).unwrap();
+    let criterion = scene.setup.bodies[1].materials[0].fracture.as_ref().unwrap();
+    assert_eq!((criterion.rules().len(), scene.setup.fracture.max_elements), (2, Some(90)));
+}
+
+#[test]
 fn an_unknown_scene_gets_the_nearest_name() {
     let error = Scene::load("hamer-table", &[]).unwrap_err().to_string();
     assert!(error.contains("did you mean `hammer-table`?"), "{error}");

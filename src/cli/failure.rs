@@ -61,7 +61,7 @@ impl From<SimError> for Failure {
     fn from(error: SimError) -> Self {
         match error {
             SimError::Setup(reason) => Self::BadInput(reason),
-            SimError::NotFinite { .. } => Self::Run(error.to_string()),
+            SimError::NotFinite { .. } | SimError::Criterion { .. } => Self::Run(error.to_string()),
         }
     }
 }

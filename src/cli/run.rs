@@ -219,6 +219,7 @@ impl Recorder {
             rayon::current_num_threads(),
         );
         summary.set_contacts(self.world.contact_episodes());
+        summary.set_fracture_limits(self.world.fracture_limits_reached());
         summary.update(&self.initial, &self.world.sample(), &self.tally, wall_time);
     }
 
@@ -237,6 +238,28 @@ impl Recorder {
             "largest energy balance error {:.3e} J, deepest penetration {:.3e} m",
             self.summary.largest_energy_balance_error_j, extremes.largest_penetration_m,
         ))?;
+        if self.summary.last.crack_area_m2 > 0.0 {
+            let (first, last) = (&self.summary.initial, &self.summary.last);
+            console.closing(format_args!(
+                "broke from {} into {} pieces, {:.3e} m2 of cracks; {} elements became {}",
+                first.fragments, last.fragments, last.crack_area_m2, first.elements, last.elements,
+            ))?;
+        }
+        let reached = &self.summary.fracture_limits_reached;
+        if reached.elements > 0 {
+            console.closing(format_args!(
+                "limit reached: a body has as many elements as it may (fracture.max_elements); {} cuts ran along \
+                 the faces there were",
+                reached.elements
+            ))?;
+        }
+        if reached.fragments > 0 {
+            console.closing(format_args!(
+                "limit reached: {} cuts left out, their fragments would have been too small \
+                 (fracture.smallest_fragment)",
+                reached.fragments
+            ))?;
+        }
         let frames = match counts.vtu_frames {
             0 => String::new(),
             count => format!(", run.pvd ({count} frames)"),

@@ -116,10 +116,11 @@ pub fn between(first: Boxed, second: Boxed, is_swept: bool) -> Candidates {
     found
 }
 
-/// Candidates of a body with itself. Features that are neighbours in the reference shape are left out: they could
-/// only meet by turning an element inside out.
+/// Candidates of a body with itself. Features that are neighbours are left out: they could
+/// only meet by turning an element inside out. `[by_patch, by_edge]` tell whether two nodes are neighbours: a node
+/// and a corner of a patch, ends of two edges.
 #[must_use]
-pub fn within(body: Boxed, reference_m: &[DVec3]) -> Candidates {
+pub fn within(body: Boxed, are_neighbours: [&dyn Fn(u32, u32) -> bool; 2]) -> Candidates {
     let mut found = Candidates::default();
     let (surface, boxes) = body;
     let mut pairs = Vec::new();
@@ -136,18 +137,23 @@ pub fn within(body: Boxed, reference_m: &[DVec3]) -> Candidates {
         push_nodes(&mut found.node_on_second, (surface, boxes, t2), (surface, boxes, t1), false);
         push_edges(&mut found.edge_pairs, (surface, boxes, t1), (surface, boxes, t2), false);
     }
-    let at = |n: u32| reference_m[n as usize];
-    let size = |n: u32| surface.node_size_m[n as usize];
+    let [by_patch, by_edge] = are_neighbours;
     found.node_on_second.retain(|(node, triangle)| {
         let corners = surface.triangles[*triangle as usize];
-        corners.iter().all(|c| at(*node).distance(at(*c)) > NEIGHBOUR * size(*node).max(size(*c)))
+        corners.iter().all(|c| !by_patch(*node, *c))
     });
     found.edge_pairs.retain(|(e1, e2)| {
         let [a, b] = [e1, e2].map(|e| surface.edges[*e as usize].nodes);
-        let far = |n: &u32, m: &u32| at(*n).distance(at(*m)) > NEIGHBOUR * size(*n).max(size(*m));
-        a.iter().all(|n| b.iter().all(|m| far(n, m)))
+        a.iter().all(|n| b.iter().all(|m| !by_edge(*n, *m)))
     });
     found
+}
+
+/// Whether two nodes of one body are neighbours in its reference shape.
+#[must_use]
+pub fn are_near_in_reference(surface: &ContactSurface, reference_m: &[DVec3], [n, m]: [u32; 2]) -> bool {
+    let [size_n, size_m] = [n, m].map(|node| surface.node_size_m[node as usize]);
+    reference_m[n as usize].distance(reference_m[m as usize]) <= NEIGHBOUR * size_n.max(size_m)
 }
 
 /// Reference distance, in local element sizes, up to which features of one body are neighbours.

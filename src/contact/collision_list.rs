@@ -51,6 +51,12 @@ impl CollisionList {
         kept
     }
 
+    /// Forgets the edges of a body whose edges have been numbered anew.
+    pub fn forget_edges_of(&mut self, body: u32) {
+        self.held_edges.retain(|((a, b, _, _), _)| *a != body && *b != body);
+        self.stores.forget_edges_of(body);
+    }
+
     /// Adds another list.
     pub fn merge(&mut self, other: Self) {
         self.held_nodes.extend(other.held_nodes);

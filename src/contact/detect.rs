@@ -119,12 +119,14 @@ impl NearPair {
             weights: g.weights,
             weight_shifts_per_m: g.weight_shifts_per_m,
             normal: g.normal,
-            gap_m: g.gap_m,
+            // Faces of a crack may have closed into each other before they came apart. Within one body nothing is
+            // pushed out at once: that would take energy from nowhere.
+            gap_m: if bodies[0] == bodies[1] { g.gap_m.max(0.0) } else { g.gap_m },
             place_m,
             size_m: self.size_m,
             friction_coefficient: pair.friction_coefficient,
             closing_m_s: -self.opening_m_s(views),
-            may_bounce: true,
+            may_bounce: bodies[0] != bodies[1],
             stored: ImpactStore::default(),
             target_m_s: 0.0,
             impulse_n_s: DVec3::ZERO,
@@ -234,9 +236,7 @@ impl<'a> NodeSide<'a> {
             return false;
         }
         let is_one_plane = rival.normal.dot(c.normal) > SAME_PLANE;
-        let own = &self.views[0];
-        let is_in_front =
-            |c: &Constraint| own.surface.inward(c.nodes[0].1, own.positions_m).dot(c.normal) > -IN_FRONT;
+        let is_in_front = |c: &Constraint| self.is_in_front(c.nodes[0].1, c.normal);
         if !is_one_plane && !self.is_convex_between(a, c) {
             return false;
         }
@@ -258,6 +258,13 @@ impl<'a> NodeSide<'a> {
             )
         };
         rank(rival, a).partial_cmp(&rank(c, b)) == Some(std::cmp::Ordering::Greater)
+    }
+
+    /// Whether the node's own body lies in front of a patch with this normal. Within one body nothing else can touch: the
+    /// faces of a fresh crack lie on each other, and beside each of them the other part's outer faces begin.
+    fn is_in_front(&self, node: u32, normal: DVec3) -> bool {
+        let own = &self.views[0];
+        own.surface.inward(node, own.positions_m).dot(normal) > -IN_FRONT
     }
 
     /// Whether the other patch lies below the plane of `c`'s.
@@ -311,10 +318,14 @@ impl<'a> NodeSide<'a> {
         }
         let [node, a, b, c] = near.nodes.map(|n| n.1);
         let is_held = self.pair.list.holds((self.bodies[0], node, self.bodies[1]), near.geometry.normal);
+        if self.bodies[0] == self.bodies[1] && !self.is_in_front(node, near.geometry.normal) {
+            return None;
+        }
         let path = self.paths(node, [a, b, c]);
+        let is_own = self.bodies[0] == self.bodies[1];
         let depths = &self.pair.depths;
         let is_too_deep = near.geometry.gap_m < -near.size_m * if is_held { depths.held } else { depths.new };
-        let touches = !is_too_deep && path.touches(&near.geometry, near.size_m, is_held);
+        let touches = !is_too_deep && path.touches(&near.geometry, near.size_m, is_held || is_own);
         touches.then(|| near.constraint(self.bodies, &self.views, self.pair))
     }
 }

@@ -146,6 +146,11 @@ impl ImpactStores {
         Self { stores: kept.collect() }
     }
 
+    /// Forgets the stores of a body's edges; their energy is lost.
+    pub fn forget_edges_of(&mut self, body: u32) {
+        self.stores.retain(|s| s.key.3.is_none() || !s.bodies.contains(&body));
+    }
+
     /// Adds other stores.
     pub fn merge(&mut self, other: Self) {
         self.stores.extend(other.stores);

@@ -4,6 +4,7 @@
 //! same scene and program.
 
 use super::{ExportError, write_whole};
+use crate::fracture::LimitsReached;
 use crate::sim::{ContactEpisode, PhaseTimes, Sample, StepReport};
 use serde::Serialize;
 use std::path::Path;
@@ -50,6 +51,8 @@ pub struct Summary {
     pub initial: Balances,
     /// Balances at the end.
     pub last: Balances,
+    /// Limits of fracture that were reached.
+    pub fracture_limits_reached: FractureLimitsReached,
     /// Contacts of two bodies in the order of their first touch, the first thousand of them.
     pub contacts: Vec<ContactSummary>,
     /// Change of the energy balance between start and end, J: zero when all is well.
@@ -115,6 +118,17 @@ pub struct BodySummary {
     pub added_mass_kg: f64,
     /// Stable elastic step, s; absent for bodies that do not deform.
     pub stable_step_s: Option<f64>,
+}
+
+/// How often a limit kept a crack from going where it would.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FractureLimitsReached {
+    /// Cuts left out because a body has as many elements as it may.
+    pub elements: u32,
+    /// Cuts left out because a fragment would have been too small.
+    pub fragments: u32,
+    /// Cuts put off because a crack would have run faster than it may.
+    pub waiting: u32,
 }
 
 /// One contact of two bodies, from first touch to separation.
@@ -295,6 +309,8 @@ pub struct WallTime {
     pub detection_s: f64,
     /// Contact response.
     pub response_s: f64,
+    /// Looking for failure, cutting, and building anew what was cut.
+    pub fracture_s: f64,
     /// Free travel and the rest of the steps.
     pub other_s: f64,
     /// Sampling and writing.
@@ -307,12 +323,13 @@ impl WallTime {
     /// Splits the total by the world's own clock; what the steps did not use was output.
     #[must_use]
     pub fn new(total_s: f64, phases: &PhaseTimes, threads: usize) -> Self {
-        let steps_s = phases.elastic_s + phases.detection_s + phases.response_s + phases.other_s;
+        let steps_s = phases.counted_s() + phases.other_s;
         Self {
             total_s,
             elastic_s: phases.elastic_s,
             detection_s: phases.detection_s,
             response_s: phases.response_s,
+            fracture_s: phases.fracture_s,
             other_s: phases.other_s,
             output_s: (total_s - steps_s).max(0.0),
             threads,
@@ -335,6 +352,7 @@ impl Summary {
             extremes: Extremes::default(),
             initial: initial.into(),
             last: initial.into(),
+            fracture_limits_reached: FractureLimitsReached::default(),
             contacts: Vec::new(),
             energy_balance_error_j: 0.0,
             largest_energy_balance_error_j: 0.0,
@@ -354,6 +372,12 @@ impl Summary {
         let simulated_s = last.step.time_s - initial.step.time_s;
         self.real_time_factor =
             (wall_time.total_s > 0.0 && tally.counts.steps > 0).then(|| simulated_s / wall_time.total_s);
+    }
+
+    /// Sets the limits of fracture that were reached.
+    pub fn set_fracture_limits(&mut self, reached: LimitsReached) {
+        let LimitsReached { elements, fragments, waiting } = reached;
+        self.fracture_limits_reached = FractureLimitsReached { elements, fragments, waiting };
     }
 
     /// Sets the list of contacts.

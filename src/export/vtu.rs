@@ -3,7 +3,8 @@
 //! One unstructured grid a frame holds all bodies. At points: `reference_position` (m),
 //! `displacement` from it (m), `velocity` (m/s). At cells: `cauchy_stress` (Pa, nine components
 //! xx xy xz yx yy yz zx zy zz, tension positive), `principal_stresses` (Pa, largest first),
-//! `body_id` (position of the body in the scene). Arrays are binary, 64-bit floats.
+//! `body_id` (position of the body in the scene), `fragment_id` (counted from 0 in each body), `failure_index` (0
+//! unstressed, 1 fails; 0 for what cannot break). Arrays are binary, 64-bit floats.
 
 use super::{ExportError, create_folder, write_whole};
 use crate::sim::{ElementStress, World};
@@ -120,6 +121,8 @@ struct Grid {
     cauchy_pa: Vec<f64>,
     principal_pa: Vec<f64>,
     body_id: Vec<u32>,
+    fragment_id: Vec<u32>,
+    failure_index: Vec<f64>,
 }
 
 impl Grid {
@@ -154,6 +157,10 @@ impl Grid {
         }
         let id = u32::try_from(body).unwrap_or(u32::MAX);
         self.body_id.extend(std::iter::repeat_n(id, tets.len()));
+        self.fragment_id.extend(world.fragment_of_element(body));
+        self.fragment_id.resize(self.body_id.len(), 0);
+        self.failure_index.extend(world.failure_indices(body));
+        self.failure_index.resize(self.body_id.len(), 0.0);
     }
 
     fn into_piece(self) -> UnstructuredGridPiece {
@@ -168,6 +175,8 @@ impl Grid {
                 Attribute::generic("cauchy_stress", 9).with_data(self.cauchy_pa),
                 Attribute::generic("principal_stresses", 3).with_data(self.principal_pa),
                 Attribute::generic("body_id", 1).with_data(self.body_id),
+                Attribute::generic("fragment_id", 1).with_data(self.fragment_id),
+                Attribute::generic("failure_index", 1).with_data(self.failure_index),
             ],
         };
         UnstructuredGridPiece {
@@ -208,6 +217,7 @@ mod tests {
                 damping_per_s: 0.0,
                 stiffness_damping_s: 0.0,
                 color_srgb: [0.5; 3],
+                fracture: None,
             }],
             element_material: vec![0],
             motion: BodyMotion::Deformable(Kinematics::Green),

@@ -49,6 +49,13 @@ pub struct ForceScratch {
     totals: Vec<(f64, f64)>,
 }
 
+impl ForceScratch {
+    /// Largest `sqrt(E : E)` that the last call met in a chunk; `None` before the first.
+    pub(super) fn largest_strain(&self, chunk: usize) -> Option<f64> {
+        self.totals.get(chunk).map(|(_, squared)| squared.sqrt())
+    }
+}
+
 impl ElementBatches {
     /// Elastic force on every node, written (not added) to `forces_n`, and the strain energy.
     ///

@@ -3,7 +3,7 @@
 
 use super::elements::Chunk;
 use super::lanes::BATCH;
-use super::{ElementBatches, ElementKinematics};
+use super::{ElementBatches, ElementKinematics, ForceScratch};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -26,6 +26,18 @@ struct ElementStrain {
     stress_pa: DMat3,
 }
 
+impl ElementStrain {
+    fn cauchy_pa(&self, kinematics: ElementKinematics) -> DMat3 {
+        match kinematics {
+            ElementKinematics::Green => {
+                let pushed = self.gradient * self.stress_pa * self.gradient.transpose();
+                pushed * self.gradient.determinant().recip()
+            }
+            ElementKinematics::BodyFrame { rotation } => rotation * self.stress_pa * rotation.transpose(),
+        }
+    }
+}
+
 impl ElementBatches {
     /// Cauchy stress of each element, Pa, tension positive, world axes, in the caller's order:
     /// `F S F^T / J` for `green` (not finite if the element is exactly flat), `R s R^T` for `body-frame`.
@@ -33,14 +45,33 @@ impl ElementBatches {
     pub fn cauchy_stresses_pa(&self, positions_m: &[DVec3], kinematics: ElementKinematics) -> Vec<DMat3> {
         self.map_elements(|element, gradients_per_m| {
             let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
-            match kinematics {
-                ElementKinematics::Green => {
-                    let pushed = at.gradient * at.stress_pa * at.gradient.transpose();
-                    pushed * at.gradient.determinant().recip()
-                }
-                ElementKinematics::BodyFrame { rotation } => rotation * at.stress_pa * rotation.transpose(),
-            }
+            at.cauchy_pa(kinematics)
         })
+    }
+
+    /// Index and Cauchy stress (as [`Self::cauchy_stresses_pa`]) of the elements that may be strained by `sqrt(E : E) >=
+    /// strain`, ascending, found in the chunks where the last call of [`Self::forces`] met such a strain. Costs nothing
+    /// where it did not.
+    #[must_use]
+    pub fn strained_stresses_pa(
+        &self,
+        scratch: &ForceScratch,
+        positions_m: &[DVec3],
+        kinematics: ElementKinematics,
+        strain: f64,
+    ) -> Vec<(u32, DMat3)> {
+        let is_strained = |index: usize| scratch.largest_strain(index).is_none_or(|most| most >= strain);
+        let of_chunk = |(_, chunk): (usize, &Chunk)| -> Vec<(u32, DMat3)> {
+            let stress = |(element, gradients): (usize, [DVec3; 4])| {
+                let at = self.strain_of(element, &gradients, positions_m, kinematics);
+                (element as u32, at.cauchy_pa(kinematics))
+            };
+            chunk.elements().map(stress).collect()
+        };
+        let chunks = self.chunks.par_iter().enumerate().filter(|(index, _)| is_strained(*index));
+        let mut stresses: Vec<_> = chunks.flat_map_iter(of_chunk).collect();
+        stresses.sort_unstable_by_key(|(element, _)| *element);
+        stresses
     }
 
     /// Strain energy of each element, J, in the caller's order.

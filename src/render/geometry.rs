@@ -247,7 +247,11 @@ impl<'a> Painter<'a> {
     }
 
     fn base_srgb(&self, triangle: usize) -> [f32; 3] {
-        if self.color_by == ColorBy::Body {
+        if self.color_by == ColorBy::Fragment && self.frame.role == BodyRole::Deformable {
+            let fragment = self.frame.surface.triangle_fragment.get(triangle).copied().unwrap_or(0);
+            return body_srgb(self.index + fragment as usize);
+        }
+        if matches!(self.color_by, ColorBy::Body | ColorBy::Fragment) {
             return body_srgb(self.index);
         }
         let material = self.frame.surface.triangle_material.get(triangle);

@@ -219,6 +219,7 @@ impl Builder<'_> {
                 bodies: self.bodies.into_iter().map(|body| body.setup).collect(),
                 contact: parameters,
                 time: self.scene.time.clone(),
+                fracture: self.scene.fracture.clone(),
             },
             notes: self.notes,
         })

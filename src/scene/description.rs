@@ -4,7 +4,7 @@
 //! otherwise. What the simulation takes as it stands ([`Material`], [`BodyMotion`], ...) is used here too.
 
 use crate::frame::ColorBy;
-use crate::sim::{BodyMotion, BoundaryAction, ContactMethod, Material, TimeParameters};
+use crate::sim::{BodyMotion, BoundaryAction, ContactMethod, FractureParameters, Material, TimeParameters};
 use glam::{DQuat, DVec3};
 
 pub use super::shape::Shape;
@@ -33,6 +33,8 @@ pub struct SceneDescription {
     pub duration_s: f64,
     /// Intervals of time.
     pub time: TimeParameters,
+    /// Growth of cracks.
+    pub fracture: FractureParameters,
     /// Views that pictures can name; the first is the default. May be empty: the automatic view.
     pub cameras: Vec<Camera>,
     /// How pictures and data are recorded.

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod cross_checks;
+mod fracture;
 mod settings;
 
 use super::description::{GROUND, Ground, SceneDescription};
@@ -28,6 +29,7 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
     }
     let contact = settings::read_contact(table.table_or_empty("contact"));
     let (duration_s, time) = settings::read_time(table.table_or_empty("time"));
+    let fracture = fracture::read_fracture(table.table_or_empty("fracture"));
     let cameras = table.named_tables("cameras");
     SceneDescription {
         title,
@@ -39,6 +41,7 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
         contact,
         duration_s,
         time,
+        fracture,
         cameras: cameras.into_iter().map(settings::read_camera).collect(),
         recording: settings::read_recording(table.table_or_empty("recording"), duration_s),
     }
@@ -73,6 +76,7 @@ fn read_material(name: String, mut table: Table) -> Material {
     let damping = table.number("damping", Quantity::not_negative("1/s"));
     let stiffness_damping = table.number("stiffness_damping", Quantity::not_negative("s"));
     let color = read_color(&mut table, "color");
+    let fracture = fracture::read_criterion(&mut table);
     let base = preset.copied().unwrap_or(PRESETS[0]);
     Material {
         name,
@@ -82,6 +86,7 @@ fn read_material(name: String, mut table: Table) -> Material {
         damping_per_s: damping.unwrap_or(preset.map_or(0.0, |base| base.damping_per_s)),
         stiffness_damping_s: stiffness_damping.unwrap_or(0.0),
         color_srgb: color.unwrap_or(base.color_srgb),
+        fracture,
     }
 }
 
@@ -101,6 +106,7 @@ fn add_library_materials(scene: &mut SceneDescription) {
                 damping_per_s: preset.damping_per_s,
                 stiffness_damping_s: 0.0,
                 color_srgb: preset.color_srgb,
+                fracture: None,
             });
         }
     }
@@ -185,7 +191,10 @@ mod tests {
     /// Uses a table of every kind, so that every key is asked for.
     const EVERYTHING: &str = r#"
         title = "t"
-        materials.m.preset = "steel"
+        materials.m = { preset = "steel", fracture.any_of = [
+            { criterion = "tensile", tensile_strength = 1 }, { criterion = "tresca", shear_strength = 1 },
+            { criterion = "mohr-coulomb", cohesion = 1 },
+            { criterion = "formula", formula = "s1 - a", parameters = { a = 1 } } ] }
         ground = {}
         contact.pairs = [{ bodies = ["a", "ground"], friction = 1 }]
         time.duration = 1

@@ -44,6 +44,12 @@ impl Quantity {
         self
     }
 
+    /// The same, below a value that is itself excluded.
+    pub const fn less_than(mut self, high: f64) -> Self {
+        self.below = high;
+        self
+    }
+
     /// Whether a number is within the limits.
     pub fn allows(self, number: f64) -> bool {
         number.is_finite()

@@ -258,6 +258,17 @@ impl<'a> Table<'a> {
         texts
     }
 
+    /// All entries of this table as (name, number), for tables such as `parameters = { k = 2e6 }`.
+    pub fn named_numbers(&mut self) -> Vec<(String, f64)> {
+        let entries = self.node.and_then(Node::entries).unwrap_or_default();
+        let number = |entry: &Entry| {
+            Some((entry.key.clone(), self.checked_number(&entry.key, &entry.node, Quantity::any(""))?))
+        };
+        let numbers = entries.iter().filter_map(number).collect();
+        self.forgive_the_rest();
+        numbers
+    }
+
     /// Whether the value of a key is a text, a list or a table, for keys that take several.
     pub fn kind_of(&mut self, key: &'static str) -> Option<Kind> {
         let node = self.ask(key)?;

@@ -1,7 +1,10 @@
 //! A body: its shape, its elements, its state.
 
+use super::breaking::Breaking;
 use super::rigid::RigidMotion;
-use super::{BodyMotion, BodySetup, BoundaryAction, Kinematics, PrescribedMotion, SimError};
+use super::{
+    BodyMotion, BodySetup, BoundaryAction, FractureParameters, Kinematics, PrescribedMotion, SimError,
+};
 use crate::contact::ContactSurface;
 use crate::fem::{ElasticConstants, ElementBatches, ElementKinematics, ForceScratch};
 use crate::math::{MassProperties, best_fit_rotation};
@@ -96,6 +99,8 @@ pub(super) struct Body {
     pub boundary: Surface,
     pub surface: ContactSurface,
     pub elasticity: Option<Elasticity>,
+    /// How the body breaks; `None` for what never does.
+    pub breaking: Option<Breaking>,
     pub mass_kg: Vec<f64>,
     /// 1/m along x, y, z; zero where the motion is prescribed.
     pub inverse_mass_per_kg: Vec<DVec3>,
@@ -123,8 +128,9 @@ pub(super) struct Body {
 
 impl Body {
     /// Builds a body.
-    pub fn new(setup: &BodySetup) -> Result<Self, SimError> {
+    pub fn new(setup: &BodySetup, fracture: &FractureParameters) -> Result<Self, SimError> {
         check(setup)?;
+        let breaking = Breaking::new(setup, fracture)?;
         let mesh = &setup.mesh;
         let boundary = Surface::of(&mesh.tets);
         let surface = ContactSurface::new(&boundary, &mesh.nodes_m);
@@ -144,6 +150,7 @@ impl Body {
             surface,
             inverse_mass_per_kg: vec![DVec3::ZERO; nodes],
             elasticity,
+            breaking,
             reference,
             arms_m,
             prescribed: Vec::new(),
@@ -218,9 +225,14 @@ impl Body {
         self.elasticity.is_some()
     }
 
-    /// Whether nothing holds or loads the body, so that it can travel freely.
+    /// Whether the body has come apart.
+    pub fn is_broken(&self) -> bool {
+        self.breaking.as_ref().is_some_and(Breaking::is_broken)
+    }
+
+    /// Whether nothing holds or loads the body and it is in one piece, so that it can travel freely.
     pub fn can_travel_freely(&self) -> bool {
-        self.is_deformable() && self.prescribed.is_empty() && self.loads.is_empty()
+        self.is_deformable() && self.prescribed.is_empty() && self.loads.is_empty() && !self.is_broken()
     }
 
     /// Linear momentum, kg m/s.
@@ -377,16 +389,18 @@ fn check(setup: &BodySetup) -> Result<(), SimError> {
     Ok(())
 }
 
+/// Elastic constants of the materials of a body.
+pub(super) fn elastic_constants(setup: &BodySetup) -> Result<Vec<ElasticConstants>, SimError> {
+    let constants = setup.materials.iter().map(|m| {
+        ElasticConstants::new(m.youngs_modulus_pa, m.poisson_ratio, m.density_kg_m3)
+            .map_err(|e| SimError::Setup(format!("body `{}`: material `{}`: {e}", setup.name, m.name)))
+    });
+    constants.collect()
+}
+
 fn build_elasticity(setup: &BodySetup) -> Result<(Option<Elasticity>, Vec<f64>), SimError> {
     let fail = |text: String| SimError::Setup(format!("body `{}`: {text}", setup.name));
-    let constants: Vec<ElasticConstants> = setup
-        .materials
-        .iter()
-        .map(|m| {
-            ElasticConstants::new(m.youngs_modulus_pa, m.poisson_ratio, m.density_kg_m3)
-                .map_err(|e| fail(format!("material `{}`: {e}", m.name)))
-        })
-        .collect::<Result<_, _>>()?;
+    let constants = elastic_constants(setup)?;
     let per_element: Vec<ElasticConstants> =
         setup.element_material.iter().map(|m| constants[*m as usize]).collect();
     let mesh = &setup.mesh;

@@ -4,7 +4,7 @@
 //! boxes are fattened.
 
 use super::body::{Body, Regime};
-use crate::contact::candidates::{Candidates, SurfaceBoxes, between, within};
+use crate::contact::candidates::{Candidates, SurfaceBoxes, are_near_in_reference, between, within};
 use crate::math::{DisjointSets, best_fit_rotation};
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
@@ -123,6 +123,13 @@ impl BroadPhase {
         self.entries.push(Entry::default());
     }
 
+    /// Forgets what is known of a body whose surface has changed.
+    pub fn forget(&mut self, body: usize) {
+        self.pairs.retain(|pair| !pair.bodies.contains(&body));
+        let entry = &mut self.entries[body];
+        *entry = Entry { stamp: entry.stamp + 1, ..Entry::default() };
+    }
+
     /// First half of the update: bounds of all bodies, and which of them come near others. `step_s` is the length of
     /// the step to come.
     pub fn renew_bounds(&mut self, bodies: &[Body], step_s: f64) {
@@ -189,7 +196,7 @@ impl BroadPhase {
             if let Some(pair) = kept.filter(|p| p.stamps == stamps) {
                 return Some(pair);
             }
-            let candidates = within((&bodies[first].surface, &own.boxes), &bodies[first].reference_m);
+            let candidates = within_body(&bodies[first], &own.boxes);
             return Some(NearPair { bodies: key, candidates, stamps });
         }
         if !self.may_meet(bodies, key) {
@@ -221,6 +228,22 @@ impl BroadPhase {
             })
             .fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Candidates of a body with itself. Where it has cracked, distance in the reference shape says nothing: opposite faces
+/// of a crack lie on each other there. Nodes of one element are neighbours then; edges that end at the same place
+/// touch at their ends, where nodes and patches hold them apart.
+fn within_body(body: &Body, boxes: &SurfaceBoxes) -> Candidates {
+    let surface = &body.surface;
+    let Some(breaking) = body.breaking.as_ref().filter(|b| b.has_cracked()) else {
+        let near = |n: u32, m: u32| are_near_in_reference(surface, &body.reference_m, [n, m]);
+        return within((surface, boxes), [&near, &near]);
+    };
+    let is_joined = |n: u32, m: u32| breaking.are_joined(n, m);
+    let is_at_end = |n: u32, m: u32| {
+        body.reference_m[n as usize] == body.reference_m[m as usize] || breaking.are_joined(n, m)
+    };
+    within((surface, boxes), [&is_joined, &is_at_end])
 }
 
 impl Entry {

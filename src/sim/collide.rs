@@ -18,6 +18,9 @@ const LEFT_OUT_DEPTH: f64 = 1e-4;
 /// Change of way by the response, as a share of the local size, that the first look of a step allows for.
 const LOOK_SLACK: f64 = 0.01;
 
+/// Share of a pair's squared weights that nodes free to move must have.
+const FREE_WEIGHT: f64 = 0.05;
+
 /// What a step's contact did, to be added up.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactOutcome {
@@ -92,6 +95,21 @@ impl ContactScene<'_> {
             let start = half - DVec3::select(inverse_mass.cmpgt(DVec3::ZERO), kick, DVec3::ZERO);
             ContactNode::new(id, [start, half], inverse_mass)
         })
+    }
+
+    /// Whether an impulse along the normal can open a pair: not where the weight lies on nodes whose motion is prescribed,
+    /// as at a crack that has doubled held nodes.
+    fn can_open(&self, c: &Constraint) -> bool {
+        let share = |is_counted: &dyn Fn(DVec3) -> bool| -> f64 {
+            let nodes = c.nodes.iter().zip(&c.weights);
+            let counted = nodes.filter(|((side, node), _)| {
+                let body = &self.bodies[c.bodies[*side as usize] as usize];
+                is_counted(body.inverse_mass_per_kg[*node as usize])
+            });
+            counted.map(|(_, w)| w * w).sum()
+        };
+        let moves = |inverse_mass: DVec3| (inverse_mass * c.normal).length_squared() > 0.0;
+        c.bodies[0] != c.bodies[1] || share(&moves) > FREE_WEIGHT * share(&|_| true)
     }
 
     /// Whether the constraint is a node of the finer body on the coarser one's patch.
@@ -269,6 +287,7 @@ impl Look {
         for ((near, _), pair) in self.near.iter().zip(&scene.pairs) {
             near.find(&scene.pair_view(pair), &mut found);
         }
+        found.retain(|c| scene.can_open(c));
         found
     }
 
@@ -281,6 +300,7 @@ impl Look {
         for ((near, _), pair) in self.near.iter().zip(&scene.pairs) {
             near.find_closing(&scene.pair_view(pair), LEFT_OUT_DEPTH, &is_known, &mut found);
         }
+        found.retain(|c| scene.can_open(c));
         found
     }
 }

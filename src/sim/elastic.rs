@@ -86,6 +86,9 @@ impl Body {
     /// Second half of the kick, after [`Self::update_acceleration`] at the new positions.
     pub fn kick_second_half(&mut self, c: &StepContext) {
         self.book_prescribed_work(c);
+        if let Some(breaking) = &self.breaking {
+            self.ledger.damped_j -= breaking.releases.work_j(&self.velocity_m_s, c.step_s);
+        }
         self.add_acceleration(0.5 * c.step_s);
         self.enforce_prescribed_velocities();
     }
@@ -116,15 +119,40 @@ impl Body {
         }
         let half = 0.5 * alpha * step_s;
         let factor = ((1.0 - half).max(0.0) / (1.0 + half)).sqrt();
+        if self.is_broken() {
+            return self.damp_fragments(factor);
+        }
         let (centre, velocity, spin) = self.rigid_velocity();
         let mut taken_j = 0.0;
-        for ((v, x), m) in self.velocity_m_s.iter_mut().zip(&self.position_m).zip(&self.mass_kg) {
-            let rigid = velocity + spin.cross(*x - centre);
-            let deforming = *v - rigid;
+        let nodes = self.velocity_m_s.iter_mut().zip(&self.position_m).zip(&self.mass_kg);
+        for (((v, x), m), inverse) in nodes.zip(&self.inverse_mass_per_kg) {
+            let deforming = free_part(*v - velocity - spin.cross(*x - centre), *inverse);
             taken_j += 0.5 * m * deforming.length_squared() * (1.0 - factor * factor);
-            *v = rigid + deforming * factor;
+            *v -= deforming * (1.0 - factor);
         }
         self.ledger.damped_j += taken_j;
+    }
+
+    /// Damps each fragment by itself; those that supports hold, as a whole.
+    fn damp_fragments(&mut self, factor: f64) {
+        let Some(breaking) = &self.breaking else { return };
+        let mut is_held = vec![false; self.mass_kg.len()];
+        self.prescribed.iter().for_each(|p| is_held[p.node as usize] = true);
+        for nodes in breaking.fragment_nodes() {
+            let of = |values: &[DVec3]| nodes.iter().map(|n| values[*n as usize]).collect::<Vec<_>>();
+            let mass_kg: Vec<f64> = nodes.iter().map(|n| self.mass_kg[*n as usize]).collect();
+            let (at_m, velocity_m_s) = (of(&self.position_m), of(&self.velocity_m_s));
+            let is_free = nodes.iter().all(|n| !is_held[*n as usize]);
+            let (centre, velocity, spin) =
+                if is_free { rigid_velocity(&mass_kg, &at_m, &velocity_m_s) } else { Default::default() };
+            for ((n, x), m) in nodes.iter().zip(&at_m).zip(&mass_kg) {
+                let v = &mut self.velocity_m_s[*n as usize];
+                let inverse = self.inverse_mass_per_kg[*n as usize];
+                let deforming = free_part(*v - velocity - spin.cross(*x - centre), inverse);
+                self.ledger.damped_j += 0.5 * m * deforming.length_squared() * (1.0 - factor * factor);
+                *v -= deforming * (1.0 - factor);
+            }
+        }
     }
 
     /// Centre, velocity and spin of the rigid motion with the same momenta; zero for held bodies.
@@ -132,11 +160,7 @@ impl Body {
         if !self.prescribed.is_empty() {
             return (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         }
-        let now = MassProperties::of_points(&self.mass_kg, &self.position_m);
-        let velocity = self.linear_momentum() / now.mass_kg;
-        let nodes = self.mass_kg.iter().zip(&self.velocity_m_s).zip(&self.position_m);
-        let angular: DVec3 = nodes.map(|((m, v), x)| (*x - now.centre_m).cross(*v - velocity) * *m).sum();
-        (now.centre_m, velocity, solve_inertia(&now.inertia_kg_m2, angular))
+        rigid_velocity(&self.mass_kg, &self.position_m, &self.velocity_m_s)
     }
 
     /// Advances the body's frame by `step_s` (body-frame kinematics): by Theorem 1 with the angular
@@ -179,6 +203,9 @@ impl Body {
         self.hold_step_factor();
         self.add_stiffness_damping(c.step_s);
         self.add_loads(c);
+        if let Some(breaking) = &mut self.breaking {
+            breaking.releases.advance(c.time_s, &mut self.force_n);
+        }
         let gravity = c.gravity_m_s2;
         let force = &self.force_n;
         let mass = &self.mass_kg;
@@ -250,6 +277,21 @@ impl Body {
         let rigid = self.rigid_part();
         self.kinetic_j() - rigid.kinetic_j(self.reference.mass_kg) + self.strain_j()
     }
+}
+
+/// Centre, velocity and spin of the rigid motion with the same momenta.
+fn rigid_velocity(mass_kg: &[f64], positions_m: &[DVec3], velocities_m_s: &[DVec3]) -> (DVec3, DVec3, DVec3) {
+    let now = MassProperties::of_points(mass_kg, positions_m);
+    let momentum: DVec3 = mass_kg.iter().zip(velocities_m_s).map(|(m, v)| *v * *m).sum();
+    let velocity = momentum / now.mass_kg;
+    let nodes = mass_kg.iter().zip(velocities_m_s).zip(positions_m);
+    let angular: DVec3 = nodes.map(|((m, v), x)| (*x - now.centre_m).cross(*v - velocity) * *m).sum();
+    (now.centre_m, velocity, solve_inertia(&now.inertia_kg_m2, angular))
+}
+
+/// A velocity without the axes along which the motion is prescribed.
+fn free_part(velocity_m_s: DVec3, inverse_mass_per_kg: DVec3) -> DVec3 {
+    DVec3::select(inverse_mass_per_kg.cmpgt(DVec3::ZERO), velocity_m_s, DVec3::ZERO)
 }
 
 fn for_nodes(out: &mut [DVec3], with: &[DVec3], f: impl Fn(&mut DVec3, &DVec3) + Sync + Send) {

@@ -5,14 +5,16 @@
 //!
 //! The stages of a step are the files: `step` is the recipe, `touch` finds the exact first touch of bodies in
 //! free travel (`rigid`), `broad` keeps track of what is near, `collide` responds, `elastic` integrates a
-//! deforming `body`, `rest` lets it travel freely or sleep again.
+//! deforming `body`, `breaking` lets it crack, `rest` lets it travel freely or sleep again.
 
 mod body;
+mod breaking;
 mod broad;
 mod collide;
 mod contact_log;
 mod elastic;
 mod publish;
+mod release;
 mod report;
 mod rest;
 mod rigid;

@@ -3,6 +3,7 @@
 use super::body::{Body, Regime};
 use super::{ElementStress, World};
 use crate::contact::Constraint;
+use crate::fracture::Face;
 use crate::frame::{BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, SurfaceTopology, VertexFields};
 use crate::math::symmetric_eigenvalues;
 use glam::{DMat3, DVec3};
@@ -12,28 +13,52 @@ use std::sync::Arc;
 pub(super) struct FrameParts {
     name: Arc<str>,
     palette_srgb: Arc<[[f32; 3]]>,
+    /// By element of the mesh as given.
+    element_material: Vec<u32>,
     surface: Arc<SurfaceTopology>,
+}
+
+/// Whether a triangle of the surface was born by fracture.
+fn is_crack(body: &Body, element: u32, nodes: &[u32; 3]) -> bool {
+    let faces = body.breaking.iter().flat_map(|b| b.solid.surface_of(element));
+    faces.into_iter().any(|face| face.nodes == *nodes && matches!(face.kind, Face::Crack { .. }))
 }
 
 impl FrameParts {
     pub fn new(body: &Body, setup: &super::BodySetup) -> Self {
+        let mut parts = Self {
+            name: body.name.as_str().into(),
+            palette_srgb: setup.materials.iter().map(|m| m.color_srgb).collect(),
+            element_material: setup.element_material.clone(),
+            surface: Arc::default(),
+        };
+        parts.renew_surface(body);
+        parts
+    }
+
+    /// After the surface has changed.
+    pub fn renew_surface(&mut self, body: &Body) {
         let mut vertex_of = vec![u32::MAX; body.reference_m.len()];
         for (vertex, node) in body.surface.nodes.iter().enumerate() {
             vertex_of[*node as usize] = vertex as u32;
         }
         let triangles = &body.surface.triangles;
         let behind = &body.boundary.triangle_tet;
-        let surface = SurfaceTopology {
+        let breaking = body.breaking.as_ref();
+        let material =
+            |t: &u32| breaking.map_or_else(|| self.element_material[*t as usize], |b| b.material(*t));
+        let fragment = |t: &u32| breaking.map_or(0, |b| b.solid.fragments().of_element()[*t as usize]);
+        self.surface = Arc::new(SurfaceTopology {
             triangles: triangles.iter().map(|t| t.map(|n| vertex_of[n as usize])).collect(),
-            triangle_material: behind.iter().map(|t| setup.element_material[*t as usize]).collect(),
-            triangle_is_crack: vec![false; triangles.len()],
+            triangle_material: behind.iter().map(material).collect(),
+            triangle_is_crack: behind
+                .iter()
+                .zip(triangles)
+                .map(|(t, nodes)| is_crack(body, *t, nodes))
+                .collect(),
+            triangle_fragment: behind.iter().map(fragment).collect(),
             triangle_element: behind.clone(),
-        };
-        Self {
-            name: body.name.as_str().into(),
-            palette_srgb: setup.materials.iter().map(|m| m.color_srgb).collect(),
-            surface: Arc::new(surface),
-        }
+        });
     }
 }
 
@@ -108,6 +133,7 @@ impl World {
             max_principal_pa: zero(),
             min_principal_pa: zero(),
             mean_stress_pa: zero(),
+            failure_index: zero(),
         };
         if matches!(body.regime, Regime::Elastic | Regime::Asleep) {
             let rigid = body.rigid_part();
@@ -124,11 +150,12 @@ impl World {
 
 /// Stress values at the surface vertices: means over the elements at a node, weighted by reference volume.
 fn fill_stress_fields(fields: &mut VertexFields, body: &Body, stresses: &[ElementStress]) {
-    let mut sums = vec![[0.0_f64; 5]; body.reference_m.len()];
-    for (tet, stress) in body.tets.iter().zip(stresses) {
+    let mut sums = vec![[0.0_f64; 6]; body.reference_m.len()];
+    for ((element, tet), stress) in (0_u32..).zip(&body.tets).zip(stresses) {
         let volume_m3 = crate::mesh::signed_volume_m3(&tet.map(|n| body.reference_m[n as usize]));
         let p = stress.principal_pa;
-        let values = [von_mises_pa(p), p.x, p.z, p.element_sum() / 3.0, 1.0];
+        let index = body.breaking.as_ref().map_or(0.0, |b| b.failure_index(element, &stress.cauchy_pa));
+        let values = [von_mises_pa(p), p.x, p.z, p.element_sum() / 3.0, index, 1.0];
         for node in tet {
             for (sum, value) in sums[*node as usize].iter_mut().zip(values) {
                 *sum += volume_m3 * value;
@@ -136,12 +163,13 @@ fn fill_stress_fields(fields: &mut VertexFields, body: &Body, stresses: &[Elemen
         }
     }
     for (vertex, node) in body.surface.nodes.iter().enumerate() {
-        let [mises, max, min, mean, weight] = sums[*node as usize];
+        let [mises, max, min, mean, index, weight] = sums[*node as usize];
         let of = |sum: f64| (sum / weight.max(f64::MIN_POSITIVE)) as f32;
         fields.von_mises_pa[vertex] = of(mises);
         fields.max_principal_pa[vertex] = of(max);
         fields.min_principal_pa[vertex] = of(min);
         fields.mean_stress_pa[vertex] = of(mean);
+        fields.failure_index[vertex] = of(index);
     }
 }
 

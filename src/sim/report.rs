@@ -106,6 +106,16 @@ pub struct PhaseTimes {
     pub detection_s: f64,
     /// Contact response.
     pub response_s: f64,
+    /// Looking for failure, cutting, and building anew what was cut.
+    pub fracture_s: f64,
     /// Free travel and everything else inside steps.
     pub other_s: f64,
+}
+
+impl PhaseTimes {
+    /// All but `other_s`, s.
+    #[must_use]
+    pub fn counted_s(&self) -> f64 {
+        self.elastic_s + self.detection_s + self.response_s + self.fracture_s
+    }
 }

@@ -1,5 +1,6 @@
 //! What a world is built from: plain data, checked by [`crate::sim::World::new`].
 
+use crate::fracture::{Criterion, PropagationRule};
 use crate::mesh::TetMesh;
 use glam::DVec3;
 
@@ -21,6 +22,8 @@ pub struct Material {
     pub stiffness_damping_s: f64,
     /// Base colour, sRGB 0..1.
     pub color_srgb: [f32; 3],
+    /// When the material breaks; `None` for never.
+    pub fracture: Option<Criterion>,
 }
 
 /// Strain measure and what is split off the motion (METHOD 1).
@@ -201,6 +204,30 @@ impl Default for TimeParameters {
     }
 }
 
+/// How cracks grow, in every body with a material that breaks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FractureParameters {
+    /// Which failed elements make a node crack.
+    pub rule: PropagationRule,
+    /// Fastest crack, m/s, positive; `None` takes half of the body's slowest shear wave speed.
+    pub crack_speed_m_s: Option<f64>,
+    /// Most elements of a body; `None` takes eight times those it starts with.
+    pub max_elements: Option<u32>,
+    /// No fragment below the mass of so many of the body's average elements comes off; not negative.
+    pub smallest_fragment_elements: f64,
+}
+
+impl Default for FractureParameters {
+    fn default() -> Self {
+        Self {
+            rule: PropagationRule::default(),
+            crack_speed_m_s: None,
+            max_elements: None,
+            smallest_fragment_elements: 6.0,
+        }
+    }
+}
+
 /// Everything a world starts from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WorldSetup {
@@ -212,4 +239,6 @@ pub struct WorldSetup {
     pub contact: ContactParameters,
     /// Time.
     pub time: TimeParameters,
+    /// Growth of cracks.
+    pub fracture: FractureParameters,
 }

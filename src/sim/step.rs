@@ -47,7 +47,7 @@ impl World {
     /// [`SimError::NotFinite`] when the run blows up.
     pub fn step(&mut self, limit_s: f64) -> Result<StepReport, SimError> {
         let started = Instant::now();
-        let before = self.phases.elastic_s + self.phases.detection_s + self.phases.response_s;
+        let before = self.phases.counted_s();
         let was_colliding = !self.list.is_empty();
         let is_elastic = self.bodies.iter().any(|b| b.regime == Regime::Elastic);
         let mut report = if is_elastic { self.elastic_step(limit_s)? } else { self.free_step(limit_s) };
@@ -60,7 +60,7 @@ impl World {
         if self.time_s >= limit_s {
             self.place_free_bodies();
         }
-        let counted = self.phases.elastic_s + self.phases.detection_s + self.phases.response_s - before;
+        let counted = self.phases.counted_s() - before;
         self.phases.other_s += started.elapsed().as_secs_f64() - counted;
         Ok(report)
     }
@@ -172,11 +172,34 @@ impl World {
             self.begin_collision(touch);
             collected.report.stage = Stage::Beginning;
         }
+        self.let_cracks_grow()?;
         let duration_s = end_s - start_s;
         for (group, step_s) in groups.iter().zip(&steps_s) {
             self.settle(group, substeps(duration_s, *step_s).1);
         }
         Ok(collected.report)
+    }
+
+    /// Cracks grow where elastic bodies fail; what depends on their surfaces is renewed.
+    fn let_cracks_grow(&mut self) -> Result<(), SimError> {
+        let clock = Instant::now();
+        for index in 0..self.bodies.len() {
+            let body = &mut self.bodies[index];
+            if body.breaking.is_none() || body.regime != Regime::Elastic {
+                continue;
+            }
+            let context =
+                StepContext { time_s: self.time_s, step_s: 0.0, gravity_m_s2: self.setup.gravity_m_s2 };
+            let grown = body.let_cracks_grow(&context).map_err(|e| e.in_step(self.steps + 1))?;
+            let Some(changes) = grown else { continue };
+            self.broad.forget(index);
+            self.list.forget_edges_of(index as u32);
+            self.frame_parts[index].renew_surface(&self.bodies[index]);
+            self.rest[index].disturb(self.time_s);
+            self.fragments += changes.new_fragments.len();
+        }
+        self.phases.fracture_s += clock.elapsed().as_secs_f64();
+        Ok(())
     }
 
     fn smallest_step_s(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! The world: all bodies and their common time.
 
 use super::body::{Body, MassScaling, Regime};
+use super::breaking::Breaking;
 use super::broad::BroadPhase;
 use super::contact_log::{ContactEpisode, ContactLog};
 use super::elastic::StepContext;
@@ -9,6 +10,7 @@ use super::rest::RestTracker;
 use super::touch::Touch;
 use super::{BodySetup, ContactMethod, ContactParameters, PhaseTimes, Sample, StepReport, WorldSetup};
 use crate::contact::CollisionList;
+use crate::fracture::{CriterionError, Face, LimitsReached, SurfaceFace};
 use crate::frame::ContactMark;
 use crate::mesh::Pieces;
 use glam::{DMat3, DVec3};
@@ -35,6 +37,18 @@ pub enum SimError {
         step: u64,
         /// Time, s.
         time_s: f64,
+    },
+    /// A typed failure criterion cannot be evaluated.
+    #[error("body `{body}`, element {element}, t = {time_s:.6e} s: {error}")]
+    Criterion {
+        /// Body.
+        body: String,
+        /// Element.
+        element: u32,
+        /// Time, s.
+        time_s: f64,
+        /// What is wrong.
+        error: CriterionError,
     },
 }
 
@@ -109,7 +123,11 @@ impl World {
     /// [`SimError::Setup`] when a body, material or parameter is unsound.
     pub fn new(setup: WorldSetup) -> Result<Self, SimError> {
         check(&setup)?;
-        let mut bodies = setup.bodies.iter().map(Body::new).collect::<Result<Vec<_>, _>>()?;
+        let mut bodies = setup
+            .bodies
+            .iter()
+            .map(|body| Body::new(body, &setup.fracture))
+            .collect::<Result<Vec<_>, _>>()?;
         for body in &mut bodies {
             start(body, &setup)?;
         }
@@ -169,8 +187,44 @@ impl World {
             elements: deformable().map(|b| b.tets.len()).sum(),
             nodes: deformable().map(|b| b.reference_m.len()).sum(),
             fragments: self.fragments,
-            crack_area_m2: 0.0,
+            crack_area_m2: self.breaking().map(|b| b.crack_area_m2).sum(),
         }
+    }
+
+    /// Limits of fracture that were reached so far, summed over the bodies.
+    #[must_use]
+    pub fn fracture_limits_reached(&self) -> LimitsReached {
+        self.breaking().fold(LimitsReached::default(), |sum, b| LimitsReached {
+            elements: sum.elements + b.limits.elements,
+            fragments: sum.fragments + b.limits.fragments,
+            waiting: sum.waiting + b.limits.waiting,
+        })
+    }
+
+    /// Fragment of each element of a body; empty for a body that cannot break.
+    #[must_use]
+    pub fn fragment_of_element(&self, body: usize) -> &[u32] {
+        self.bodies[body].breaking.as_ref().map_or(&[], |b| b.solid.fragments().of_element())
+    }
+
+    /// Failure index of each element of a body (0 unstressed, 1 fails); empty for a body that cannot break.
+    #[must_use]
+    pub fn failure_indices(&self, body: usize) -> Vec<f64> {
+        let Some(breaking) = &self.bodies[body].breaking else { return Vec::new() };
+        let stresses = self.element_stresses(body);
+        let indexed = (0_u32..).zip(&stresses);
+        indexed.map(|(element, stress)| breaking.failure_index(element, &stress.cauchy_pa)).collect()
+    }
+
+    /// The cracked faces of a body: element and which of its faces, as in [`crate::mesh::TET_FACES`].
+    pub fn crack_faces(&self, body: usize) -> impl Iterator<Item = SurfaceFace> + '_ {
+        let breaking = self.bodies[body].breaking.as_ref();
+        let surface = breaking.into_iter().flat_map(|b| b.solid.surface());
+        surface.filter(|face| matches!(face.kind, Face::Crack { .. }))
+    }
+
+    fn breaking(&self) -> impl Iterator<Item = &Breaking> {
+        self.bodies.iter().filter_map(|b| b.breaking.as_ref())
     }
 
     /// Wall time by phase.
@@ -228,7 +282,7 @@ impl World {
         }
         self.place_free_bodies();
         raise_above(&mut setup.mesh.nodes_m, &self.bodies);
-        let mut body = Body::new(&setup)?;
+        let mut body = Body::new(&setup, &self.setup.fracture)?;
         start(&mut body, &self.setup)?;
         if body.is_deformable() {
             self.fragments += Pieces::by_faces(&body.tets).count;

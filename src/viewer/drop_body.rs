@@ -141,5 +141,6 @@ fn rubber() -> Material {
         damping_per_s: 10.0,
         stiffness_damping_s: 0.0,
         color_srgb: COLORS_SRGB[0],
+        fracture: None,
     }
 }

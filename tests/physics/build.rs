@@ -22,6 +22,7 @@ pub fn material(density_kg_m3: f64, youngs_modulus_pa: f64, poisson_ratio: f64) 
         damping_per_s: 0.0,
         stiffness_damping_s: 0.0,
         color_srgb: [0.5; 3],
+        fracture: None,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Physics against theory: conservation laws, closed forms, contact and rest.
 
 mod build;
+mod fracture;
 mod rest;
 mod rods;
 mod spin;

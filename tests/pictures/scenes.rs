@@ -155,6 +155,7 @@ fn stressed_hammer() -> BodyFrame {
     let values: Vec<f32> = body.positions_m.iter().map(share).collect();
     body.fields = VertexFields {
         von_mises_pa: values.iter().map(|v| v * 3e8).collect(),
+        failure_index: Vec::new(),
         mean_stress_pa: values.iter().map(|v| (2.0 * v - 1.0) * 2e6).collect(),
         ..Default::default()
     };

@@ -1,0 +1,116 @@
+//! When materials break, and how cracks grow.
+
+use super::super::quantity::Quantity;
+use super::super::reader::Table;
+use crate::fracture::plane::PlaneRule;
+use crate::fracture::{Criterion, FailureRule, Formula, PropagationRule, Strength};
+use crate::sim::FractureParameters;
+
+/// The kinds of failure that a scene can name.
+#[derive(Clone, Copy)]
+enum Kind {
+    Tensile,
+    Tresca,
+    VonMises,
+    MohrCoulomb,
+    DruckerPrager,
+    Formula,
+}
+
+const KINDS: [(&str, Kind); 6] = [
+    ("tensile", Kind::Tensile),
+    ("tresca", Kind::Tresca),
+    ("von-mises", Kind::VonMises),
+    ("mohr-coulomb", Kind::MohrCoulomb),
+    ("drucker-prager", Kind::DruckerPrager),
+    ("formula", Kind::Formula),
+];
+
+/// The table `fracture` of a material: one criterion, or several of which any may fail.
+pub(super) fn read_criterion(material: &mut Table) -> Option<Criterion> {
+    let mut table = material.table("fracture")?;
+    let rules: Option<Vec<FailureRule>> = if table.has("any_of") {
+        let rules = table.tables("any_of");
+        if rules.is_empty() {
+            table.problem("any_of", format!("`{}` needs at least one criterion", table.name_of("any_of")));
+        }
+        rules.into_iter().map(|mut rule| read_rule(&mut rule)).collect()
+    } else {
+        read_rule(&mut table).map(|rule| vec![rule])
+    };
+    // Ranges have been checked key by key; what is left is told at the table.
+    Criterion::any_of(rules.filter(|rules| !rules.is_empty())?)
+        .map_err(|error| table.problem("", error.to_string()))
+        .ok()
+}
+
+fn read_rule(table: &mut Table) -> Option<FailureRule> {
+    table.require("criterion", "when the material breaks, as in `criterion = \"tensile\"`");
+    let Some(kind) = table.choice("criterion", &KINDS) else {
+        table.forgive_the_rest();
+        return None;
+    };
+    let strength = match kind {
+        Kind::Tensile => Strength::Tensile { tensile_strength_pa: read_strength(table, "tensile_strength") },
+        Kind::Tresca => Strength::Tresca { shear_strength_pa: read_strength(table, "shear_strength") },
+        Kind::VonMises => Strength::VonMises { shear_strength_pa: read_strength(table, "shear_strength") },
+        Kind::MohrCoulomb => Strength::MohrCoulomb {
+            cohesion_pa: read_strength(table, "cohesion"),
+            friction_angle_rad: read_friction_angle(table),
+        },
+        Kind::DruckerPrager => Strength::DruckerPrager {
+            cohesion_pa: read_strength(table, "cohesion"),
+            friction_angle_rad: read_friction_angle(table),
+        },
+        Kind::Formula => Strength::Formula(read_formula(table)?),
+    };
+    Some(FailureRule { plane: read_plane(table, &strength), strength })
+}
+
+fn read_strength(table: &mut Table, key: &'static str) -> f64 {
+    table.required_number(key, Quantity::positive("Pa"))
+}
+
+/// Radians.
+fn read_friction_angle(table: &mut Table) -> f64 {
+    let angle = Quantity::not_negative("degrees").less_than(90.0);
+    table.number("friction_angle", angle).unwrap_or(0.0).to_radians()
+}
+
+fn read_formula(table: &mut Table) -> Option<Formula> {
+    let text = table.required_text("formula");
+    let parameters = table.table("parameters").map(|mut table| table.named_numbers()).unwrap_or_default();
+    // Asked for here so that they stay known where the formula is refused.
+    let parameters: Vec<(&str, f64)> =
+        parameters.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    if !table.has("formula") {
+        return None;
+    }
+    let formula = Formula::new(&text, &parameters);
+    formula.map_err(|error| table.problem("formula", error.to_string())).ok()
+}
+
+/// How the cutting plane stands: across the largest tension, or sliding at the friction angle.
+fn read_plane(table: &mut Table, strength: &Strength) -> PlaneRule {
+    let natural = strength.natural_plane();
+    let slides = table.choice("plane", &[("opening", false), ("sliding", true)]);
+    match (slides, natural) {
+        (Some(false), _) => PlaneRule::Opening,
+        (Some(true), PlaneRule::Opening) => PlaneRule::Sliding { friction_angle_rad: 0.0 },
+        _ => natural,
+    }
+}
+
+/// The table `[fracture]`: how cracks grow.
+pub(super) fn read_fracture(mut table: Table) -> FractureParameters {
+    let defaults = FractureParameters::default();
+    let rules =
+        [("two-at-node", PropagationRule::TwoAtNode), ("single-element", PropagationRule::SingleElement)];
+    let smallest = table.number("smallest_fragment", Quantity::not_negative("elements"));
+    FractureParameters {
+        rule: table.choice("propagation", &rules).unwrap_or(defaults.rule),
+        crack_speed_m_s: table.number("crack_speed", Quantity::positive("m/s")),
+        max_elements: table.integer("max_elements", 1, 10_000_000),
+        smallest_fragment_elements: smallest.unwrap_or(defaults.smallest_fragment_elements),
+    }
+}

@@ -1,0 +1,373 @@
+//! Breaking: what fails after an elastic step is cut, and the body's arrays follow (METHOD 6 and 7).
+//!
+//! One body keeps all its fragments: elements and nodes are only ever added. After cuts its elements, masses, surface and
+//! stable step are built anew, at most once a step.
+//!
+//! Failure is looked for at the end of steps, as often as the fastest crack needs to cross half the smallest altitude of the
+//! mesh as given: between two looks no crack could have gone on. A look costs nothing where no chunk of elements is strained as
+//! much as the weakest material must be to fail (the force loop knows), else the stresses of those chunks.
+
+use super::body::Body;
+use super::elastic::StepContext;
+use super::release::Releases;
+use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, SimError};
+use crate::contact::ContactSurface;
+use crate::fem::{ElasticConstants, ElementBatches};
+use crate::fracture::{
+    Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, LimitsReached, NodeBirth,
+    NodeState, PrincipalStress, Propagation, Solid,
+};
+use crate::math::MassProperties;
+use crate::mesh::Surface;
+use glam::{DMat3, DVec3};
+
+/// No cut leaves an element with a smaller altitude than this share of the smallest one in the mesh as given.
+const ALTITUDE_SHARE: f64 = 0.25;
+/// Crack speed over the slowest shear wave's, when the scene does not say.
+const CRACK_SPEED_SHARE: f64 = 0.5;
+/// Time between looks for failure in crossings of the smallest altitude by the fastest crack.
+const LOOK_SHARE: f64 = 0.5;
+/// Time in which a crack opens over the time in which it runs past the elements around its node.
+const RELEASE_SHARE: f64 = 0.5;
+/// Allowance of the strain filter for what moved since the strain was measured.
+const STRAIN_MARGIN: f64 = 0.9;
+
+/// The part of a body that knows how it breaks.
+pub(super) struct Breaking {
+    pub solid: Solid,
+    /// By material of the body.
+    criteria: Vec<Option<Criterion>>,
+    /// By material of the body.
+    constants: Vec<ElasticConstants>,
+    /// By element of the mesh as given.
+    origin_material: Vec<u32>,
+    propagation: Propagation,
+    pace: CrackPace,
+    /// Fragments at the start.
+    first_fragments: usize,
+    /// `sqrt(E : E)` below which nothing can fail.
+    safe_strain: f64,
+    look_every_s: f64,
+    next_look_s: f64,
+    /// Area of crack faces in the reference shape, one side counted, m2.
+    pub crack_area_m2: f64,
+    pub limits: LimitsReached,
+    /// Nodes of each fragment, ascending.
+    fragment_nodes: Vec<Vec<u32>>,
+    crack_speed_m_s: f64,
+    /// Cracks that are opening.
+    pub releases: Releases,
+}
+
+impl Breaking {
+    /// What `setup` breaks by, if any of its materials does.
+    ///
+    /// # Errors
+    /// [`SimError::Setup`] where fracture does not go together with something else.
+    pub fn new(setup: &BodySetup, parameters: &FractureParameters) -> Result<Option<Self>, SimError> {
+        let BodyMotion::Deformable(kinematics) = setup.motion else { return Ok(None) };
+        if setup.materials.iter().all(|m| m.fracture.is_none()) {
+            return Ok(None);
+        }
+        let fail = |text: String| SimError::Setup(format!("body `{}`: {text}", setup.name));
+        if kinematics == Kinematics::BodyFrame {
+            return Err(fail(
+                "a body that can break needs kinematics \"green\": \"body-frame\" has one frame for the whole body, \
+                 and fragments turn each by itself"
+                    .to_owned(),
+            ));
+        }
+        if setup.mass_scaling_max_share > 0.0 {
+            return Err(fail(
+                "a body that can break cannot have mass scaling; leave one of them out".to_owned(),
+            ));
+        }
+        let constants = super::body::elastic_constants(setup)?;
+        let of_element = |e: usize| constants[setup.element_material[e] as usize];
+        let density: Vec<f64> = (0..setup.mesh.tets.len()).map(|e| of_element(e).density_kg_m3).collect();
+        let solid =
+            Solid::new(&setup.mesh, &density, ALTITUDE_SHARE).map_err(|error| fail(error.to_string()))?;
+        let crack_speed_m_s = parameters.crack_speed_m_s.unwrap_or_else(|| {
+            let shear_m_s = constants.iter().map(|c| (c.mu_pa / c.density_kg_m3).sqrt());
+            CRACK_SPEED_SHARE * shear_m_s.fold(f64::INFINITY, f64::min)
+        });
+        let criteria: Vec<_> = setup.materials.iter().map(|m| m.fracture.clone()).collect();
+        let safe_strains = criteria.iter().zip(&constants).filter_map(|(criterion, constants)| {
+            Some(safe_strain(criterion.as_ref()?.safe_norm_pa(), constants))
+        });
+        let safe_strain = safe_strains.fold(f64::INFINITY, f64::min);
+        let mut breaking = Self {
+            propagation: propagation(&solid, parameters),
+            pace: CrackPace::new(crack_speed_m_s, solid.tets().len()),
+            first_fragments: solid.fragments().list().len(),
+            safe_strain,
+            look_every_s: LOOK_SHARE * solid.altitude_floor_m() / ALTITUDE_SHARE / crack_speed_m_s,
+            next_look_s: 0.0,
+            crack_area_m2: 0.0,
+            limits: LimitsReached::default(),
+            fragment_nodes: Vec::new(),
+            crack_speed_m_s,
+            releases: Releases::default(),
+            origin_material: setup.element_material.clone(),
+            criteria,
+            constants,
+            solid,
+        };
+        breaking.sort_nodes();
+        Ok(Some(breaking))
+    }
+
+    /// Whether there is any crack.
+    pub fn has_cracked(&self) -> bool {
+        self.crack_area_m2 > 0.0
+    }
+
+    /// Whether the body has come apart.
+    pub fn is_broken(&self) -> bool {
+        self.fragment_nodes.len() > self.first_fragments
+    }
+
+    /// Nodes of each fragment, ascending.
+    pub fn fragment_nodes(&self) -> &[Vec<u32>] {
+        &self.fragment_nodes
+    }
+
+    /// Whether two nodes belong to one element.
+    pub fn are_joined(&self, n: u32, m: u32) -> bool {
+        let tets = self.solid.tets();
+        self.solid.elements_at(n).iter().any(|e| tets[*e as usize].contains(&m))
+    }
+
+    /// Material of an element, an index into the body's materials.
+    pub fn material(&self, element: u32) -> u32 {
+        self.origin_material[self.solid.origins()[element as usize] as usize]
+    }
+
+    /// Failure index of a state of stress in an element: 0 unstressed, 1 fails.
+    pub fn failure_index(&self, element: u32, cauchy_pa: &DMat3) -> f64 {
+        let Some(criterion) = &self.criteria[self.material(element) as usize] else { return 0.0 };
+        criterion.assess(&PrincipalStress::of(cauchy_pa).measures()).map_or(0.0, |found| found.index)
+    }
+
+    /// The failure of an element, if it does fail.
+    fn failure(
+        &self,
+        element: u32,
+        cauchy_pa: &DMat3,
+        positions_m: &[DVec3],
+    ) -> Result<Option<Failure>, CriterionError> {
+        let Some(criterion) = &self.criteria[self.material(element) as usize] else { return Ok(None) };
+        let norm2: f64 = cauchy_pa.to_cols_array().iter().map(|s| s * s).sum();
+        if norm2 < criterion.safe_norm_pa().powi(2) {
+            return Ok(None);
+        }
+        let stress = PrincipalStress::of(cauchy_pa);
+        let found = criterion.assess(&stress.measures())?;
+        if !found.fails() {
+            return Ok(None);
+        }
+        let crack_normal = self.solid.crack_normal_near(element, positions_m);
+        let normal = criterion.normal(found.rule, &stress, crack_normal);
+        Ok(Some(Failure { element, normal, index: found.index }))
+    }
+
+    fn take_note(&mut self, changes: &Changes, time_s: f64) {
+        self.pace.record(changes, time_s);
+        let reference_m = self.solid.reference_m();
+        for face in &changes.crack_faces {
+            let [a, b, c] = face.nodes.map(|n| reference_m[n as usize]);
+            // Both sides are listed, a quarter of the cross product each.
+            self.crack_area_m2 += 0.25 * (b - a).cross(c - a).length();
+        }
+        self.sort_nodes();
+    }
+
+    fn sort_nodes(&mut self) {
+        let fragments = self.solid.fragments();
+        let mut nodes = vec![Vec::new(); fragments.list().len()];
+        for node in 0..self.solid.node_count() as u32 {
+            if let Some(element) = self.solid.elements_at(node).first() {
+                nodes[fragments.of_element()[*element as usize] as usize].push(node);
+            }
+        }
+        self.fragment_nodes = nodes;
+    }
+}
+
+fn propagation(solid: &Solid, parameters: &FractureParameters) -> Propagation {
+    let suited = FractureLimits::for_body(solid);
+    let elements = solid.tets().len().max(1);
+    let mean_kg = solid.masses_kg().iter().sum::<f64>() / elements as f64;
+    let limits = FractureLimits {
+        max_elements: parameters.max_elements.map_or(suited.max_elements, |most| most as usize),
+        smallest_fragment_kg: parameters.smallest_fragment_elements * mean_kg,
+        ..suited
+    };
+    Propagation { rule: parameters.rule, limits, ..Propagation::default() }
+}
+
+/// Largest strain `e = sqrt(E : E)` at which the Cauchy stress cannot have the given norm.
+///
+/// `|S| <= (3 |lambda| + 2 mu) e`, and with the stretches bounded by `1 ± 2e`,
+/// `|sigma| <= |S| (1 + 2e) / (1 - 2e)^(3/2)`.
+fn safe_strain(norm_pa: f64, constants: &ElasticConstants) -> f64 {
+    let stiffness_pa = 3.0 * constants.lambda_pa.abs() + 2.0 * constants.mu_pa;
+    let bound_pa = |e: f64| stiffness_pa * e * (1.0 + 2.0 * e) / (1.0 - 2.0 * e).powf(1.5);
+    let (mut safe, mut unsafe_) = (0.0, 0.5);
+    for _ in 0..60 {
+        let middle = 0.5 * (safe + unsafe_);
+        if bound_pa(middle) < norm_pa { safe = middle } else { unsafe_ = middle }
+    }
+    STRAIN_MARGIN * safe
+}
+
+impl Body {
+    /// Lets cracks grow at the end of a step where the body fails; tells whether any did.
+    ///
+    /// # Errors
+    /// A typed criterion that cannot be evaluated for a stress that occurs.
+    pub fn let_cracks_grow(&mut self, context: &StepContext) -> Result<Option<Changes>, SimError> {
+        let time_s = context.time_s;
+        let Some(breaking) = &mut self.breaking else { return Ok(None) };
+        if time_s < breaking.next_look_s {
+            return Ok(None);
+        }
+        breaking.next_look_s = time_s + breaking.look_every_s;
+        let failures = self.failures(time_s)?;
+        let Some(breaking) = self.breaking.as_mut().filter(|_| !failures.is_empty()) else { return Ok(None) };
+        let nodes = NodeState { positions_m: &mut self.position_m, velocities_m_s: &mut self.velocity_m_s };
+        let pace = &breaking.pace;
+        let may_crack = |element: u32| pace.may_crack(element, time_s);
+        let changes = breaking.solid.propagate(nodes, &failures, &breaking.propagation, may_crack);
+        let (sum, reached) = (&mut breaking.limits, changes.limits);
+        sum.elements += reached.elements;
+        sum.fragments += reached.fragments;
+        sum.waiting += reached.waiting;
+        if changes.is_empty() {
+            return Ok(None);
+        }
+        breaking.take_note(&changes, time_s);
+        self.follow(&changes)?;
+        self.hold_crack_faces(context, &changes)?;
+        Ok(Some(changes))
+    }
+
+    /// Holds the nodes of the changed elements as they were before the cuts; see [`super::release`].
+    fn hold_crack_faces(&mut self, context: &StepContext, changes: &Changes) -> Result<(), SimError> {
+        let mut before = std::mem::take(&mut self.acceleration_m_s2);
+        for birth in &changes.new_nodes {
+            before.push(match *birth {
+                NodeBirth::TwinOf(parent) => before[parent as usize],
+                NodeBirth::OnEdge { ends: [a, b], weight } => {
+                    before[a as usize].lerp(before[b as usize], weight)
+                }
+            });
+        }
+        self.acceleration_m_s2 = vec![DVec3::ZERO; before.len()];
+        self.update_acceleration(context)?;
+        let Some(breaking) = &mut self.breaking else { return Ok(()) };
+        let held_n = |node: u32| {
+            let is_free = self.inverse_mass_per_kg[node as usize].cmpgt(DVec3::ZERO);
+            let change = before[node as usize] - self.acceleration_m_s2[node as usize];
+            (node, DVec3::select(is_free, change, DVec3::ZERO) * self.mass_kg[node as usize])
+        };
+        let held_n = changes.touched_nodes.iter().map(|node| held_n(*node)).collect();
+        let reach_m = changes.cuts.iter().map(|cut| cut.reach_m).fold(f64::INFINITY, f64::min);
+        let duration_s = RELEASE_SHARE * reach_m / breaking.crack_speed_m_s;
+        if duration_s.is_finite() {
+            breaking.releases.add(context.time_s, duration_s, held_n);
+            self.acceleration_m_s2 = before;
+        }
+        Ok(())
+    }
+
+    fn failures(&self, time_s: f64) -> Result<Vec<Failure>, SimError> {
+        let (Some(breaking), Some(elasticity)) = (&self.breaking, &self.elasticity) else {
+            return Ok(Vec::new());
+        };
+        let strained = elasticity.elements.strained_stresses_pa(
+            &elasticity.scratch,
+            &self.position_m,
+            self.element_kinematics(),
+            breaking.safe_strain,
+        );
+        let mut failures = Vec::new();
+        for (element, cauchy_pa) in &strained {
+            let failure = breaking.failure(*element, cauchy_pa, &self.position_m).map_err(|error| {
+                SimError::Criterion { body: self.name.clone(), element: *element, time_s, error }
+            })?;
+            failures.extend(failure);
+        }
+        Ok(failures)
+    }
+
+    /// Brings everything that is kept per node or element up to date with the cuts.
+    fn follow(&mut self, changes: &Changes) -> Result<(), SimError> {
+        let Some(breaking) = &self.breaking else { return Ok(()) };
+        let solid = &breaking.solid;
+        self.reference_m = solid.reference_m().to_vec();
+        self.tets = solid.tets().to_vec();
+        self.mass_kg = (0..solid.node_count() as u32).map(|n| solid.node_mass_kg(n)).collect();
+        let constants: Vec<ElasticConstants> =
+            (0..self.tets.len() as u32).map(|e| breaking.constants[breaking.material(e) as usize]).collect();
+        let elements = ElementBatches::new(&self.reference_m, &self.tets, &constants)
+            .map_err(|e| SimError::Setup(format!("body `{}` after fracture: {e}", self.name)))?;
+        if let Some(elasticity) = &mut self.elasticity {
+            elasticity.critical_step_s = elements.stable_step_s(&self.mass_kg);
+            elasticity.elements = elements;
+        }
+        self.ledger.dropped_j += changes.kinetic_energy_lost_j;
+        self.boundary = Surface::of(&self.tets);
+        self.surface = ContactSurface::new(&self.boundary, &self.reference_m);
+        self.follow_supports(changes);
+        self.follow_loads(changes);
+        self.force_n.resize(self.reference_m.len(), DVec3::ZERO);
+        self.reference = MassProperties::of_points(&self.mass_kg, &self.reference_m);
+        self.arms_m = self.reference_m.iter().map(|x| *x - self.reference.centre_m).collect();
+        let sizes = &self.surface.triangle_size_m;
+        self.mean_size_m = sizes.iter().sum::<f64>() / sizes.len().max(1) as f64;
+        Ok(())
+    }
+
+    /// New nodes are held as their parents are: twins as the node they were one with, nodes on an edge as far as both of
+    /// its ends are.
+    fn follow_supports(&mut self, changes: &Changes) {
+        for (node, birth) in (changes.first_node..).zip(&changes.new_nodes) {
+            let of = |node: u32| self.prescribed.iter().filter(move |p| p.node == node).copied();
+            let inherited: Vec<_> = match *birth {
+                NodeBirth::TwinOf(parent) => of(parent).collect(),
+                NodeBirth::OnEdge { ends: [a, b], .. } => of(a)
+                    .filter_map(|mut p| {
+                        let other = of(b).find(|q| q.velocity_m_s == p.velocity_m_s)?;
+                        p.axes = std::array::from_fn(|i| p.axes[i] && other.axes[i]);
+                        p.axes.contains(&true).then_some(p)
+                    })
+                    .collect(),
+            };
+            self.prescribed.extend(inherited.into_iter().map(|p| super::body::PrescribedNode { node, ..p }));
+        }
+        self.inverse_mass_per_kg = self.mass_kg.iter().map(|m| DVec3::splat(1.0 / m)).collect();
+        for p in &self.prescribed {
+            let inverse = &mut self.inverse_mass_per_kg[p.node as usize];
+            *inverse = DVec3::select(glam::BVec3::from_array(p.axes), DVec3::ZERO, *inverse);
+        }
+    }
+
+    /// A force on a node that has been doubled is shared by mass.
+    fn follow_loads(&mut self, changes: &Changes) {
+        for (twin, birth) in (changes.first_node..).zip(&changes.new_nodes) {
+            let NodeBirth::TwinOf(parent) = *birth else { continue };
+            let [twin_kg, parent_kg] = [twin, parent].map(|n| self.mass_kg[n as usize]);
+            let share = twin_kg / (twin_kg + parent_kg);
+            if let Some(breaking) = &mut self.breaking {
+                breaking.releases.share_with_twin(parent, twin, share);
+            }
+            for load in &mut self.loads {
+                let Some(at) = load.node_forces_n.iter().position(|(n, _)| *n == parent) else { continue };
+                let force_n = load.node_forces_n[at].1;
+                load.node_forces_n[at].1 = force_n * (1.0 - share);
+                load.node_forces_n.push((twin, force_n * share));
+            }
+        }
+    }
+}
