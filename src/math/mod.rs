@@ -8,4 +8,6 @@ mod symmetric_eigen;
 pub(crate) use disjoint_sets::DisjointSets;
 pub use mass_properties::{MassProperties, inertia_of_point_kg_m2, solve_inertia};
 pub use rotation::{best_fit_rotation, rotation_from_vector, skew};
-pub use symmetric_eigen::{SymmetricEigen, symmetric_eigen, symmetric_eigenvalues};
+pub use symmetric_eigen::{
+    SymmetricEigen, symmetric_eigen, symmetric_eigenvalues, symmetric_eigenvalues_estimate,
+};

@@ -42,6 +42,27 @@ pub fn symmetric_eigenvalues(matrix: &DMat3) -> DVec3 {
     symmetric_eigen(matrix).values
 }
 
+/// The eigenvalues to about eight digits of the largest, by the closed formula: several times faster than
+/// [`symmetric_eigenvalues`]; for looking whether a closer look is worth it. Of `matrix`, the lower triangle is read.
+#[must_use]
+pub fn symmetric_eigenvalues_estimate(matrix: &DMat3) -> DVec3 {
+    let (x, y, z) = (matrix.x_axis, matrix.y_axis, matrix.z_axis);
+    let mean = (x.x + y.y + z.z) / 3.0;
+    let diagonal = DVec3::new(x.x, y.y, z.z) - mean;
+    let off = DVec3::new(x.y, x.z, y.z);
+    let size = ((diagonal.length_squared() + 2.0 * off.length_squared()) / 6.0).sqrt();
+    if size == 0.0 {
+        return DVec3::splat(mean);
+    }
+    let (d, o) = (diagonal / size, off / size);
+    let determinant =
+        d.x * (d.y * d.z - o.z * o.z) - o.x * (o.x * d.z - o.z * o.y) + o.y * (o.x * o.z - d.y * o.y);
+    let angle = (0.5 * determinant).clamp(-1.0, 1.0).acos() / 3.0;
+    let largest = 2.0 * angle.cos();
+    let smallest = 2.0 * (angle + std::f64::consts::TAU / 3.0).cos();
+    DVec3::splat(mean) + DVec3::new(largest, -largest - smallest, smallest) * size
+}
+
 struct Jacobi {
     diagonal: [f64; 3],
     /// Entries (0,1), (0,2), (1,2).
@@ -83,8 +104,8 @@ impl Jacobi {
             return;
         }
         let theta = (self.diagonal[q] - self.diagonal[p]) / (2.0 * off);
-        let tangent = theta.signum() / (theta.abs() + theta.hypot(1.0));
-        let cosine = 1.0 / tangent.hypot(1.0);
+        let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+        let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
         let sine = tangent * cosine;
         self.diagonal[p] -= tangent * off;
         self.diagonal[q] += tangent * off;
@@ -157,6 +178,10 @@ mod tests {
             let found = symmetric_eigenvalues(&symmetric).to_array();
             for (found, expected) in found.iter().zip(expected) {
                 prop_assert!((found - expected).abs() <= 4e-15 * scale);
+            }
+            let estimate = symmetric_eigenvalues_estimate(&symmetric).to_array();
+            for (found, expected) in estimate.iter().zip(expected) {
+                prop_assert!((found - expected).abs() <= 1e-7 * scale);
             }
         }
     }

@@ -15,9 +15,9 @@ use crate::contact::ContactSurface;
 use crate::fem::{ElasticConstants, ElementBatches};
 use crate::fracture::{
     Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, LimitsReached, NodeBirth,
-    NodeState, PrincipalStress, Propagation, Solid,
+    NodeState, PrincipalStress, Propagation, Solid, StressMeasures,
 };
-use crate::math::MassProperties;
+use crate::math::{MassProperties, symmetric_eigenvalues_estimate};
 use crate::mesh::Surface;
 use glam::{DMat3, DVec3};
 
@@ -29,6 +29,8 @@ const CRACK_SPEED_SHARE: f64 = 0.5;
 const LOOK_SHARE: f64 = 0.5;
 /// Time in which a crack opens over the time in which it runs past the elements around its node.
 const RELEASE_SHARE: f64 = 0.5;
+/// Failure index of the estimated principal stresses below which an element does not fail for certain.
+const SURELY_WHOLE: f64 = 0.99;
 /// Allowance of the strain filter for what moved since the strain was measured.
 const STRAIN_MARGIN: f64 = 0.9;
 
@@ -159,6 +161,10 @@ impl Breaking {
         let Some(criterion) = &self.criteria[self.material(element) as usize] else { return Ok(None) };
         let norm2: f64 = cauchy_pa.to_cols_array().iter().map(|s| s * s).sum();
         if norm2 < criterion.safe_norm_pa().powi(2) {
+            return Ok(None);
+        }
+        let estimate = StressMeasures::of(symmetric_eigenvalues_estimate(cauchy_pa));
+        if estimate.is_finite() && criterion.assess(&estimate)?.index < SURELY_WHOLE {
             return Ok(None);
         }
         let stress = PrincipalStress::of(cauchy_pa);
@@ -292,7 +298,8 @@ impl Body {
             breaking.safe_strain,
         );
         let mut failures = Vec::new();
-        for (element, cauchy_pa) in &strained {
+        // An element that waits (see `CrackPace`) keeps all of its nodes whole: its failure would change nothing.
+        for (element, cauchy_pa) in strained.iter().filter(|(e, _)| breaking.pace.may_crack(*e, time_s)) {
             let failure = breaking.failure(*element, cauchy_pa, &self.position_m).map_err(|error| {
                 SimError::Criterion { body: self.name.clone(), element: *element, time_s, error }
             })?;
