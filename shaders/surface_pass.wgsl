@@ -1,5 +1,5 @@
 // The bodies: soft key light with shadow, ambient light from sky and floor, a faint rim, a
-// little gloss; colours of materials or of values; element edges.
+// little gloss; colours of materials or of values; element edges; lines where cracks reach the skin.
 
 @group(1) @binding(0) var shadow_map: texture_depth_2d;
 @group(1) @binding(1) var shadow_sampler: sampler_comparison;
@@ -9,7 +9,8 @@
 struct VertexInput {
     @builtin(vertex_index) index: u32,
     @location(0) position: vec3<f32>,
-    // Unit normal, and 1 on crack faces.
+    // Unit normal, and 1 on crack faces; elsewhere 1/32767 times a bit for each edge at which a crack
+    // reaches the skin, bit k for the edge opposite to corner k.
     @location(1) normal_and_crack: vec4<f32>,
     // sRGB, and gloss.
     @location(2) color_and_gloss: vec4<f32>,
@@ -87,6 +88,24 @@ fn edge_cover(corner: vec3<f32>) -> f32 {
     return cover * mix(0.25, 1.0, smoothstep(2.0, 9.0, height / frame.wire_width));
 }
 
+// Cracks that have not opened are dark lines: their share of the surface's colour, and how much they cover.
+const CRACK_LINE_LIGHT: f32 = 0.08;
+const CRACK_LINE_OPACITY: f32 = 0.85;
+
+// How much of a crack's edge covers the pixel.
+fn crack_cover(corner: vec3<f32>, mark: f32) -> f32 {
+    let pixels = corner / max(fwidth(corner), vec3<f32>(1e-6));
+    let edges = u32(round(mark * 32767.0));
+    if mark > 0.5 || edges == 0u {
+        return 0.0;
+    }
+    let is_edge = vec3<bool>((edges & 1u) != 0u, (edges & 2u) != 0u, (edges & 4u) != 0u);
+    let distance = select(vec3<f32>(1e6), pixels, is_edge);
+    let nearest = min(distance.x, min(distance.y, distance.z));
+    let half = 0.5 * frame.wire_width;
+    return 1.0 - smoothstep(half - 0.5, half + 0.5, nearest);
+}
+
 // Keeps highlights from clipping to flat white.
 fn shoulder(color: vec3<f32>) -> vec3<f32> {
     let over = max(color - 0.8, vec3<f32>(0.0));
@@ -120,7 +139,7 @@ fn shaded(in: VertexOutput) -> vec4<f32> {
         let place = vec2<f32>(saturate(in.map_position) * 0.99609375 + 0.001953125, frame.map_row);
         let mapped = textureSampleLevel(color_map, color_map_sampler, place, 0.0).rgb;
         // Crack faces keep a hint of their tint.
-        base = mix(mapped, in.color, 0.3 * in.gloss_and_crack.y);
+        base = mix(mapped, in.color, 0.3 * step(0.5, in.gloss_and_crack.y));
         gloss = gloss * 0.15;
     }
 
@@ -146,6 +165,8 @@ fn shaded(in: VertexOutput) -> vec4<f32> {
         light = mix(0.9 * light, vec3<f32>(0.92), 0.3);
     }
     var color = base * light + frame.key_light * (highlight * key) + rim;
+    let crack = crack_cover(in.corner, in.gloss_and_crack.y);
+    color = mix(color, base * CRACK_LINE_LIGHT, crack * CRACK_LINE_OPACITY);
     if frame.wireframe > 0.0 {
         color = mix(color, frame.wire_color, edge_cover(in.corner) * frame.wire_opacity);
     }

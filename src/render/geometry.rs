@@ -13,8 +13,8 @@ use std::sync::Arc;
 pub struct SurfaceVertex {
     /// World position, metres.
     pub position_m: [f32; 3],
-    /// Unit normal as signed normalized integers; the fourth says how much of a crack face the
-    /// triangle is, 0 or 1.
+    /// Unit normal as signed normalized integers. The fourth is `i16::MAX` on crack faces; elsewhere it has a
+    /// bit for each edge at which a crack reaches the skin, bit `k` for the edge opposite to corner `k`.
     pub normal_and_crack: [i16; 4],
     /// Base colour, sRGB, and gloss in the fourth.
     pub color_and_gloss: [u8; 4],
@@ -111,6 +111,8 @@ struct CachedTopology {
     /// For vertex `v`, its triangles are `triangles[starts[v]..starts[v + 1]]`.
     starts: Vec<u32>,
     triangles: Vec<u32>,
+    /// Fourth component of the normals, see [`SurfaceVertex::normal_and_crack`].
+    crack_marks: Vec<i16>,
     /// Scratch: area-weighted normal of each triangle.
     face_normals: Vec<Vec3>,
 }
@@ -133,7 +135,31 @@ impl CachedTopology {
             triangles[*slot as usize] = corner as u32 / 3;
             *slot += 1;
         }
-        Self { surface: Arc::clone(surface), starts, triangles, face_normals: Vec::new() }
+        let mut topology = Self {
+            surface: Arc::clone(surface),
+            starts,
+            triangles,
+            crack_marks: Vec::new(),
+            face_normals: Vec::new(),
+        };
+        if surface.triangle_is_crack.contains(&true) {
+            topology.crack_marks = (0..surface.triangles.len()).map(|t| topology.crack_mark(t)).collect();
+        }
+        topology
+    }
+
+    /// Where cracks reach this triangle of the skin, or that it is a crack's face itself.
+    fn crack_mark(&self, triangle: usize) -> i16 {
+        if self.is_crack(triangle) {
+            return i16::MAX;
+        }
+        let corners = self.surface.triangles[triangle];
+        let meets_crack = |k: usize| {
+            let [a, b] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
+            let mut around = self.around(a).iter().map(|t| *t as usize);
+            around.any(|t| self.is_crack(t) && self.surface.triangles[t].contains(&b))
+        };
+        (0..3).filter(|k| meets_crack(*k)).map(|k| 1 << k).sum()
     }
 
     /// Whether the body has all the vertices its triangles name; if not, it is left out.
@@ -209,7 +235,7 @@ impl<'a> Painter<'a> {
         let chunks = corners.par_chunks_mut(3).with_min_len(4096);
         chunks.enumerate().for_each(|(triangle, corners)| {
             let color_and_gloss = self.color_and_gloss(triangle);
-            let crack = i16::from(topology.is_crack(triangle)) * i16::MAX;
+            let crack = topology.crack_marks.get(triangle).copied().unwrap_or(0);
             for (corner, &vertex) in corners.iter_mut().zip(&triangles[triangle]) {
                 let [x, y, z] = topology.corner_normal(triangle, vertex).to_array().map(to_signed_normalized);
                 *corner = SurfaceVertex {
@@ -341,7 +367,8 @@ mod tests {
         surface.triangle_is_crack = vec![false, true];
         let [left, right] = normals_along_hinge(&frame);
         assert_ne!(left[..3], right[..3]);
-        assert_eq!((left[3], right[3]), (0, i16::MAX));
+        // The edge between them is opposite to corner 2 of the skin's triangle.
+        assert_eq!((left[3], right[3]), (1 << 2, i16::MAX));
     }
 
     #[test]
