@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders the README's animations anew, with the program as it is. A change of what they show is a change to look at.
+# Renders the README's animations and pictures of cracks anew, with the program as it is. A change of what they show is a change to look at.
 set -euo pipefail
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
@@ -12,4 +12,8 @@ cargo build --locked
 for scene in hammer-ground hammer-table hammer-lamp rods-collision; do
     say "rendering $scene-fine"
     cargo run --locked --quiet -- render "$scene-fine" -o "assets/pictures/$scene.gif" --size 480x270 --fps 14
+done
+for criterion in tensile mohr-coulomb tresca; do
+    say "rendering plate-$criterion-fine"
+    cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion.png" --at 0.46 --size 480x300 --no-caption
 done
