@@ -2,6 +2,7 @@
 
 mod build;
 mod fracture;
+mod probe;
 mod rest;
 mod rods;
 mod spin;
