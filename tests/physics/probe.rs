@@ -13,7 +13,7 @@ fn beam_world(beam: Beam, size: f64, split: HexSplit, force: f64, ramp_s: f64, s
         BoundaryCondition { nodes: pick(1.0), action: BoundaryAction::Force { total_n: DVec3::NEG_Z * force, ramp_s } },
     ];
     let fracture = strength.map(|s| Criterion::single(Strength::Tensile { tensile_strength_pa: s }).unwrap());
-    let m = Material { damping_per_s: 100.0, fracture, ..material(1200.0, 2e8, 0.2) };
+    let m = Material { damping_per_s: 30.0, fracture, ..material(1200.0, 2e8, 0.2) };
     World::new(quiet_world(vec![BodySetup { boundary, ..body("beam", mesh, m) }])).unwrap()
 }
 
@@ -34,21 +34,22 @@ fn beam() {
             let per_n = arm * 6.0 / (width * hw * hw);
             let strength = 2e5;
             let force = 2.0 * strength / per_n;
-            let mut world = beam_world(beam, hw / n, split, force, 1.0, Some(strength));
+            let ramp = env("RAMP", 1.0); let force = 2.0 * force;
+            let mut world = beam_world(beam, hw / n, split, 0.5 * force, env("RAMP", 1.0), Some(strength));
             let mut first_failed = 0.0;
             let mut next = 0.05;
             let mut s2 = String::new();
-            while world.time_s() < 1.0 && world.sample().crack_area_m2 == 0.0 {
-                world.step(1.0).unwrap();
+            while world.time_s() < ramp && world.sample().crack_area_m2 == 0.0 {
+                world.step(ramp).unwrap();
                 if world.time_s() > next {
                     next += 0.01;
                     let top = world.element_stresses(0).iter().enumerate().map(|(e, s)| (s.principal_pa.x, e)).fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
-                    s2 = format!("s1/nominal {:.3} at {:.3?} ", top.0 / (world.time_s() * force * per_n), middle(&world, &world.tets(0)[top.1].clone()).to_array());
+                    s2 = format!("s1/nominal {:.3} at {:.3?} ", top.0 / (world.time_s() * 0.5 * force * per_n / ramp), middle(&world, &world.tets(0)[top.1].clone()).to_array());
                     if first_failed == 0.0 && top.0 >= strength { first_failed = world.time_s() * 2.0; }
                 }
             }
             let faces: Vec<_> = world.crack_faces(0).map(|f| middle(&world, &f.nodes).to_array().map(|v| (v * 1000.0).round() / 1000.0)).collect();
-            println!("n {n} {split:?} tets {} r {r}: {s2} first failed {first_failed:.3} first crack {:.3} steps {:.1e} at {faces:?}", world.tets(0).len(), world.time_s() * 2.0, world.time_s() / world.stable_step_s(0));
+            println!("n {n} {split:?} tets {} r {r}: {s2} first failed {first_failed:.3} first crack {:.3}*ramp steps {:.1e} at {faces:?}", world.tets(0).len(), world.time_s() * 2.0, world.time_s() / world.stable_step_s(0));
         }
     }
 }
@@ -75,7 +76,7 @@ fn pile() {
         let mut peak = 0.0f64;
         let mut next = 0.0;
         let start = std::time::Instant::now();
-        let mut report = |label: &str, world: &World, sum: f64, count: f64| {
+        let report = |label: &str, world: &World, sum: f64, count: f64| {
             let r = world.reference_positions_m(b);
             let (mut area, mut mean, mut centre) = (0.0, 0.0, DVec3::ZERO);
             let faces: Vec<[DVec3; 3]> = world.crack_faces(b).map(|f| f.nodes.map(|n| r[n as usize])).collect();

@@ -245,20 +245,14 @@ impl Beam {
         self.check_radius(check)
     }
 
-    /// A corner must fit into the notch, and into the material around it.
+    /// A corner must fit into the notch.
     fn check_radius(&self, check: Check) -> Result<(), ShapeError> {
         let radius_m = self.notch_radius_m;
         if !(radius_m >= 0.0) {
             return Err(check.error("notch_radius_m", radius_m, "a length in metres, 0 or above"));
         }
-        let arm_m = (self.length_m - self.notch_width_m) / 2.0;
-        let limits = [
-            (self.notch_depth_m, "`notch_depth_m`"),
-            (self.notch_width_m / 2.0, "half of `notch_width_m`"),
-            (self.height_m - self.notch_depth_m, "the height below the notch"),
-            (arm_m, "the length beside the notch"),
-        ];
-        limits.into_iter().try_for_each(|(limit_m, of)| check.below("notch_radius_m", radius_m, limit_m, of))
+        check.below("notch_radius_m", radius_m, self.notch_depth_m, "`notch_depth_m`")?;
+        check.below("notch_radius_m", radius_m, self.notch_width_m / 2.0, "half of `notch_width_m`")
     }
 
     /// The axis along z and which of its two intervals holds the notch.
