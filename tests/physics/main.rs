@@ -2,7 +2,7 @@
 
 mod build;
 mod fracture;
-mod probe;
+mod fracture_theory;
 mod rest;
 mod rods;
 mod spin;
