@@ -248,7 +248,7 @@ impl Beam {
     /// A corner must fit into the notch.
     fn check_radius(&self, check: Check) -> Result<(), ShapeError> {
         let radius_m = self.notch_radius_m;
-        if !(radius_m >= 0.0) {
+        if radius_m.is_nan() || radius_m < 0.0 {
             return Err(check.error("notch_radius_m", radius_m, "a length in metres, 0 or above"));
         }
         check.below("notch_radius_m", radius_m, self.notch_depth_m, "`notch_depth_m`")?;
