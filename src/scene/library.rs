@@ -34,6 +34,7 @@ pub const BUILTIN_SCENES: &[BuiltinScene] = scenes! {
     "rods-collision": "two steel rods collide head-on: impact against wave theory",
     "rods-collision-fine": "the same, finer",
     "beam-notch": "a notched beam is bent until it breaks at its notch",
+    "beam-notch-fine": "the same, finer",
     "pile-press": "a pile is pressed until it slides apart",
     "cube-wall": "a cube breaks on a wall, and its pieces fall to the ground",
     "plate-tensile": "a cube falls on a plate that breaks by tension",

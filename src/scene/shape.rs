@@ -166,6 +166,8 @@ fn read_beam(table: &mut Table) -> shapes::Beam {
     size(table, "height", &mut beam.height_m);
     size(table, "notch_width", &mut beam.notch_width_m);
     size(table, "notch_depth", &mut beam.notch_depth_m);
+    let radius_m = table.number("notch_radius", Quantity::not_negative("m"));
+    beam.notch_radius_m = radius_m.unwrap_or(beam.notch_radius_m);
     let sides = [("top", shapes::NotchSide::Top), ("bottom", shapes::NotchSide::Bottom)];
     beam.notch_side = table.choice("notch_side", &sides).unwrap_or(beam.notch_side);
     beam

@@ -2,6 +2,7 @@
 
 mod build;
 mod fracture;
+mod fracture_theory;
 mod rest;
 mod rods;
 mod spin;

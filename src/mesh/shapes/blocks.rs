@@ -4,6 +4,7 @@ use super::lattice::{Axis, cells_along, lattice};
 use super::{Check, Meshing, Resolution, ShapeError};
 use crate::mesh::TetMesh;
 use glam::DVec3;
+use std::f64::consts::FRAC_PI_4;
 
 /// A box centred at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,6 +182,9 @@ pub struct Beam {
     pub notch_width_m: f64,
     /// Depth of the notch along z, m.
     pub notch_depth_m: f64,
+    /// Radius of the notch's two inner corners, m; 0 for sharp ones, at which an elastic beam has
+    /// infinite stress.
+    pub notch_radius_m: f64,
     /// Face that is notched.
     pub notch_side: NotchSide,
 }
@@ -193,6 +197,7 @@ impl Default for Beam {
             height_m: 0.3,
             notch_width_m: 0.1,
             notch_depth_m: 0.15,
+            notch_radius_m: 0.0,
             notch_side: NotchSide::Top,
         }
     }
@@ -214,6 +219,7 @@ impl Beam {
         );
         let y = Axis::new(&[-self.width_m / 2.0, self.width_m / 2.0], &[cells(self.width_m)]);
         let (z, notch_layer) = self.height_axis(cells);
+        let round = RoundedCorners::of(self);
         let hexes = lattice(
             check.0,
             [x.cells(), y.cells(), z.cells()],
@@ -221,7 +227,7 @@ impl Beam {
                 let in_notch = x.interval_of(i) == 1 && z.interval_of(k) == notch_layer;
                 (!in_notch).then_some(0)
             },
-            |[i, j, k]| DVec3::new(x.at(i), y.at(j), z.at(k)),
+            |[i, j, k]| round.place(DVec3::new(x.at(i), y.at(j), z.at(k))),
         )?;
         Ok(hexes.split(meshing.split, &["all"]))
     }
@@ -235,7 +241,18 @@ impl Beam {
             ("notch_depth_m", self.notch_depth_m),
         ])?;
         check.below("notch_width_m", self.notch_width_m, self.length_m, "`length_m`")?;
-        check.below("notch_depth_m", self.notch_depth_m, self.height_m, "`height_m`")
+        check.below("notch_depth_m", self.notch_depth_m, self.height_m, "`height_m`")?;
+        self.check_radius(check)
+    }
+
+    /// A corner must fit into the notch.
+    fn check_radius(&self, check: Check) -> Result<(), ShapeError> {
+        let radius_m = self.notch_radius_m;
+        if radius_m.is_nan() || radius_m < 0.0 {
+            return Err(check.error("notch_radius_m", radius_m, "a length in metres, 0 or above"));
+        }
+        check.below("notch_radius_m", radius_m, self.notch_depth_m, "`notch_depth_m`")?;
+        check.below("notch_radius_m", radius_m, self.notch_width_m / 2.0, "half of `notch_width_m`")
     }
 
     /// The axis along z and which of its two intervals holds the notch.
@@ -252,5 +269,62 @@ impl Beam {
                 (Axis::new(&breaks_m, &[cells(self.notch_depth_m), cells(web_m)]), 0)
             }
         }
+    }
+}
+
+/// Moves the nodes around a notch so that its inner corners become arcs.
+struct RoundedCorners {
+    radius_m: f64,
+    /// Of the corner, off the middle of the beam, m.
+    corner_x_m: f64,
+    /// Of the corner, with the notch on top, m.
+    corner_z_m: f64,
+    /// Distances from the corner, into the beam, at which the move has died out, m.
+    reach_m: [f64; 2],
+    /// -1 for a notch below.
+    up: f64,
+}
+
+impl RoundedCorners {
+    fn of(beam: &Beam) -> Self {
+        let half_m = beam.height_m / 2.0;
+        let web_m = beam.height_m - beam.notch_depth_m;
+        let arm_m = (beam.length_m - beam.notch_width_m) / 2.0;
+        Self {
+            radius_m: beam.notch_radius_m,
+            corner_x_m: beam.notch_width_m / 2.0,
+            corner_z_m: half_m - beam.notch_depth_m,
+            reach_m: [arm_m.min(web_m), web_m],
+            up: if beam.notch_side == NotchSide::Top { 1.0 } else { -1.0 },
+        }
+    }
+
+    fn place(&self, node_m: DVec3) -> DVec3 {
+        if self.radius_m == 0.0 {
+            return node_m;
+        }
+        // From the corner towards the middle of the notch, and out of its floor.
+        let inward_m = self.corner_x_m - node_m.x.abs();
+        let outward_m = node_m.z * self.up - self.corner_z_m;
+        let weight = |distance_m: f64, reach_m: f64| (1.0 - (-distance_m).max(0.0) / reach_m).max(0.0);
+        let share = weight(inward_m, self.reach_m[0]) * weight(outward_m, self.reach_m[1]);
+        let [dx_m, dz_m] = self.move_of_outline_m(inward_m.max(0.0), outward_m.max(0.0)).map(|d| d * share);
+        let towards_middle = if node_m.x < 0.0 { 1.0 } else { -1.0 };
+        node_m + DVec3::new(towards_middle * dx_m, 0.0, self.up * dz_m)
+    }
+
+    /// What takes a point of the sharp outline to the arc: half of it to the floor, half to the wall.
+    fn move_of_outline_m(&self, along_floor_m: f64, along_wall_m: f64) -> [f64; 2] {
+        let r = self.radius_m;
+        let share = |along_m: f64| (1.0 - along_m / r).max(0.0);
+        if along_floor_m >= r || along_wall_m >= r {
+            return [0.0, 0.0];
+        }
+        let angle = if along_wall_m > 0.0 {
+            FRAC_PI_4 * (2.0 - share(along_wall_m))
+        } else {
+            FRAC_PI_4 * share(along_floor_m)
+        };
+        [r - r * angle.sin() - along_floor_m, r - r * angle.cos() - along_wall_m]
     }
 }
