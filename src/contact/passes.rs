@@ -11,6 +11,8 @@ use glam::DVec3;
 
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
 const PENETRATION_LEFT: f64 = 1e-4;
+/// Mobility along the normal, over that along the freest axis, below which a pair cannot be opened.
+const LEAST_BLOCK: f64 = 1e-3;
 /// Pairs that say nearly the same settle more slowly than the passes asked for allow: they get this many times as many.
 const PATIENCE: u32 = 8;
 
@@ -158,12 +160,12 @@ pub(super) struct PairRow {
 }
 
 impl PairRow {
-    /// `None` when neither side can move along the normal.
+    /// `None` when neither side can move along the normal, be it for round-off in the normal's direction.
     pub(super) fn new(index: usize, constraint: &Constraint, table: &NodeTable) -> Option<Self> {
         let block = table.block(index, &constraint.weights);
         let n = constraint.normal;
         let normal_block_per_kg = n.dot(block * n);
-        (normal_block_per_kg > 0.0).then(|| Self {
+        (normal_block_per_kg > LEAST_BLOCK * block.max_element()).then(|| Self {
             index,
             normal_block_per_kg,
             tangent_block_per_kg: block.max_element(),

@@ -347,6 +347,17 @@ mod tests {
     }
 
     #[test]
+    fn nodes_held_along_the_normal_are_left_alone_however_their_normal_is_rounded() {
+        let mut c = pair(-1e-6, 0.0);
+        c[0].normal = DVec3::new(1e-13, 0.0, 1.0);
+        let held = DVec3::new(4.0, 4.0, 0.0);
+        let mut table = NodeTable::new(&c, |id| ContactNode::new(id, [DVec3::NEG_Z * 1e-3; 2], held));
+        set_targets(&mut c, &table, &parameters(true));
+        solve(&mut c, &mut table, &parameters(true));
+        assert_eq!(c[0].impulse_n_s, DVec3::ZERO);
+    }
+
+    #[test]
     fn the_same_pair_seen_three_times_converges_to_the_same_motion() {
         let mut once = pair(0.0, 0.3);
         let (expected, _) = run(&mut once, DVec3::new(0.1, 0.2, -1.0), 0.25, true);

@@ -108,7 +108,9 @@ impl ContactScene<'_> {
             });
             counted.map(|(_, w)| w * w).sum()
         };
-        let moves = |inverse_mass: DVec3| (inverse_mass * c.normal).length_squared() > 0.0;
+        let moves = |inverse_mass: DVec3| {
+            (inverse_mass * c.normal).dot(c.normal) > FREE_WEIGHT * inverse_mass.max_element()
+        };
         c.bodies[0] != c.bodies[1] || share(&moves) > FREE_WEIGHT * share(&|_| true)
     }
 
