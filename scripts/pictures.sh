@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders the README's animations anew, with the program as it is. A change of what they show is a change to look at.
+# Makes the README's pictures anew, with the program as it is. A change of what they show is a change to look at.
 set -euo pipefail
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
@@ -13,3 +13,5 @@ for scene in hammer-ground hammer-table hammer-lamp rods-collision; do
     say "rendering $scene-fine"
     cargo run --locked --quiet -- render "$scene-fine" -o "assets/pictures/$scene.gif" --size 480x270 --fps 14
 done
+say "drawing the failure criteria"
+cargo run --locked --quiet -- criteria -o assets/pictures/criteria.png

@@ -38,7 +38,11 @@ impl<'a> Frame<'a> {
         let (unit_pa, prefix) = si_prefix(low_pa.abs().max(high_pa.abs()) / 2.0);
         // Both sides alike: a right angle of the stresses is one of the picture.
         let side = inner.width().min(inner.height());
-        let inner = Rect::from_center_size(inner.center(), vec2(side, side));
+        let middle = match section.shape {
+            Shape::PlaneStress => inner.center(),
+            Shape::Deviatoric { .. } => pos2(area.center().x, inner.center().y),
+        };
+        let inner = Rect::from_center_size(middle, vec2(side, side));
         Self { painter, section, area, inner, unit_pa, unit: format!("{prefix}Pa") }
     }
 
@@ -120,14 +124,17 @@ impl<'a> Frame<'a> {
         let at = self.area.center_top() + vec2(0.0, 9.0);
         self.painter.text(at, Align2::CENTER_TOP, title, FontId::proportional(TITLE_SIZE), INK);
         if missing > 0 {
-            let note = format!("{missing} not here: fails already without shear, or nowhere near");
+            let note = format!("{missing} of {} without a curve here", self.section.curves.len());
             self.text(self.inner.left_bottom() + vec2(8.0, -6.0), Align2::LEFT_BOTTOM, &note, FAINT);
         }
     }
 
-    /// Round numbers, the ends only if they are round.
+    /// Round numbers of the axes or rings.
     fn ticks_pa(&self) -> Vec<f64> {
-        let [low, high] = self.section.shown_pa.map(|end_pa| (end_pa / self.unit_pa) as f32);
+        let [mut low, high] = self.section.shown_pa.map(|end_pa| (end_pa / self.unit_pa) as f32);
+        if matches!(self.section.shape, Shape::Deviatoric { .. }) {
+            low = 0.0;
+        }
         Range { low, high }.ticks().into_iter().map(|tick| f64::from(tick) * self.unit_pa).collect()
     }
 

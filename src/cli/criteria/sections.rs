@@ -11,10 +11,11 @@ use std::f64::consts::TAU;
 
 /// Points of a whole turn; a multiple of 24, so that the corners of the standard criteria are among them.
 const POINTS: u32 = 1440;
-/// Directions that settle how much is shown: the axes and the diagonals between them.
-const SCOUTS: u32 = 8;
+/// Directions of plane stress that settle how much is shown, in eighths of a turn: all but equal pressure on both axes,
+/// where some criteria bear many times what they bear elsewhere.
+const SCOUTS: [u32; 7] = [0, 1, 2, 3, 4, 6, 7];
 /// Free space around the curves over their size.
-const MARGIN: f64 = 0.12;
+const MARGIN: f64 = 0.18;
 /// How far beyond what is shown curves are followed, over its size.
 const REACH: f64 = 6.0;
 
@@ -121,24 +122,26 @@ impl Sections {
 fn plane_stress(entries: &[Entry]) -> Result<(Section, f64), Failure> {
     let (mut low_pa, mut high_pa, mut tensile_pa) = (0.0_f64, 0.0_f64, f64::INFINITY);
     for entry in entries {
-        let mut smallest_pa = f64::INFINITY;
-        for index in 0..SCOUTS {
-            let (sin, cos) = (TAU * f64::from(index) / f64::from(SCOUTS)).sin_cos();
+        let mut first_pa = f64::INFINITY;
+        for eighths in SCOUTS {
+            let (sin, cos) = (TAU * f64::from(eighths) / 8.0).sin_cos();
             let found = distance_along_pa(&entry.criterion, DVec3::ZERO, DVec3::new(cos, sin, 0.0));
             let Some(distance_pa) = found.map_err(|error| refused(entry, &error))? else { continue };
-            smallest_pa = smallest_pa.min(distance_pa);
+            if first_pa.is_infinite() {
+                first_pa = distance_pa;
+            }
             for coordinate_pa in [distance_pa * cos, distance_pa * sin] {
                 low_pa = low_pa.min(coordinate_pa);
                 high_pa = high_pa.max(coordinate_pa);
             }
         }
-        if smallest_pa.is_infinite() {
+        if first_pa.is_infinite() {
             return Err(Failure::BadInput(format!(
-                "`{}` fails at no plane stress up to 10 TPa; there is nothing to draw",
+                "`{}` does not fail in plane stress up to 10 TPa; there is nothing to draw",
                 entry.name
             )));
         }
-        tensile_pa = tensile_pa.min(smallest_pa);
+        tensile_pa = tensile_pa.min(first_pa);
     }
     let margin_pa = MARGIN * (high_pa - low_pa);
     let shown_pa = [low_pa - margin_pa, high_pa + margin_pa];
