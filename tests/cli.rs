@@ -630,7 +630,7 @@ fn criteria_that_make_no_sense_are_refused_with_the_place() {
     assert!(message(&["--criterion", "tresca shear_strength=0"]).contains("shear_strength"));
     let bad_angle = "{ criterion = \"mohr-coulomb\", cohesion = 1, friction_angle = 90 }";
     let refused = message(&["--criterion", bad_angle]);
-    assert!(refused.contains("friction_angle") && refused.contains("column 60"), "{refused}");
+    assert!(refused.contains("friction_angle") && refused.contains("column 62"), "{refused}");
     assert!(message(&["--criterion", "tresko"]).contains("tresca"));
     assert!(message(&["--mean-stress", "1 psi"]).contains("-5MPa"));
     assert!(message(&["cubes.toml"]).contains("fracture"));
