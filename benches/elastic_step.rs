@@ -90,7 +90,7 @@ impl Body {
 }
 
 /// The unit cube in `cells` boxes along each side, each cut into six tetrahedra about its diagonal (Kuhn).
-fn unit_box(cells: usize) -> (Vec<DVec3>, Vec<[u32; 4]>) {
+pub fn unit_box(cells: usize) -> (Vec<DVec3>, Vec<[u32; 4]>) {
     let along = cells + 1;
     let place = |index: usize| {
         DVec3::new((index / along / along) as f64, (index / along % along) as f64, (index % along) as f64)

@@ -2,6 +2,7 @@
 
 mod contact_step;
 mod elastic_step;
+mod fracture_step;
 mod machine;
 
 use criterion::{criterion_group, criterion_main};
@@ -12,6 +13,7 @@ criterion_group!(
     machine::memory,
     elastic_step::elastic_step,
     contact_step::contact_step,
-    contact_step::world_step
+    contact_step::world_step,
+    fracture_step::fracture_step
 );
 criterion_main!(benches);

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Renders the README's animations and pictures of cracks anew, with the program as it is. A change of what they show is a change to look at.
+# Makes the README's pictures anew, with the program as it is. A change of what they show is a change to look at.
 set -euo pipefail
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
@@ -17,3 +18,5 @@ for criterion in tensile mohr-coulomb tresca; do
     say "rendering plate-$criterion-fine"
     cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion.png" --at 0.46 --size 480x300 --no-caption
 done
+say "drawing the failure criteria"
+cargo run --locked --quiet -- criteria -o assets/pictures/criteria.png

@@ -29,6 +29,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "math",
             "mesh",
             "fem",
+            "fracture",
             "frame",
             "io_reason",
             "sim",

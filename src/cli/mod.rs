@@ -7,6 +7,7 @@
 mod args;
 mod check;
 mod console;
+mod criteria;
 mod failure;
 mod interrupt;
 mod output_folder;
@@ -35,6 +36,7 @@ Examples:
   hammerfall render hammer-table -o fall.gif    make a picture or an animation
   hammerfall run hammer-table -o data --vtu     make data: history.csv, summary.json, ParaView files
   hammerfall check my_scene.toml                is it sound, and what would it cost?
+  hammerfall criteria -o criteria.png           draw failure criteria
 
 SCENE is the name of a built-in scene (see `hammerfall scenes`) or the path of a scene file.
 Times are in seconds; 10ms and 250us are understood too.
@@ -64,6 +66,8 @@ enum Command {
     Scenes(WithCommon<NoArgs>),
     /// Say whether a scene or a mesh file is sound, and what it would cost
     Check(WithCommon<check::CheckArgs>),
+    /// Draw the failure surfaces of a scene's materials, of the standard criteria or of a formula
+    Criteria(WithCommon<criteria::CriteriaArgs>),
 }
 
 impl Command {
@@ -74,6 +78,7 @@ impl Command {
             Self::Run(with) => &with.common,
             Self::Scenes(with) => &with.common,
             Self::Check(with) => &with.common,
+            Self::Criteria(with) => &with.common,
         }
     }
 }
@@ -116,6 +121,7 @@ fn run_command(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Run(with)) => run::run(&with.args, &common, &console),
         Some(Command::Scenes(_)) => scenes::run(&console),
         Some(Command::Check(with)) => check::run(&with.args, &common, &console),
+        Some(Command::Criteria(with)) => criteria::run(&with.args, &common, &console),
     }
 }
 

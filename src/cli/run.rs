@@ -219,6 +219,8 @@ impl Recorder {
             rayon::current_num_threads(),
         );
         summary.set_contacts(self.world.contact_episodes());
+        let bodies = 0..self.world.body_count();
+        summary.set_cracks(bodies.flat_map(|body| self.world.failure_times_s(body).iter().copied()));
         summary.set_fracture_limits(self.world.fracture_limits_reached());
         summary.update(&self.initial, &self.world.sample(), &self.tally, wall_time);
     }

@@ -5,7 +5,7 @@
 
 use super::{ExportError, write_whole};
 use crate::fracture::LimitsReached;
-use crate::sim::{ContactEpisode, PhaseTimes, Sample, StepReport};
+use crate::sim::{ContactEpisode, NEVER_FAILED_S, PhaseTimes, Sample, StepReport};
 use serde::Serialize;
 use std::path::Path;
 
@@ -51,6 +51,8 @@ pub struct Summary {
     pub initial: Balances,
     /// Balances at the end.
     pub last: Balances,
+    /// What took part in cracks, and when.
+    pub cracks: CrackSummary,
     /// Limits of fracture that were reached.
     pub fracture_limits_reached: FractureLimitsReached,
     /// Contacts of two bodies in the order of their first touch, the first thousand of them.
@@ -118,6 +120,17 @@ pub struct BodySummary {
     pub added_mass_kg: f64,
     /// Stable elastic step, s; absent for bodies that do not deform.
     pub stable_step_s: Option<f64>,
+}
+
+/// What took part in cracks, and when.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct CrackSummary {
+    /// Elements that took part in a crack, as the mesh is at the end.
+    pub failed_elements: usize,
+    /// When the first of them failed, s; absent if none has.
+    pub first_failure_s: Option<f64>,
+    /// When the last of them failed, s.
+    pub last_failure_s: Option<f64>,
 }
 
 /// How often a limit kept a crack from going where it would.
@@ -352,6 +365,7 @@ impl Summary {
             extremes: Extremes::default(),
             initial: initial.into(),
             last: initial.into(),
+            cracks: CrackSummary::default(),
             fracture_limits_reached: FractureLimitsReached::default(),
             contacts: Vec::new(),
             energy_balance_error_j: 0.0,
@@ -372,6 +386,18 @@ impl Summary {
         let simulated_s = last.step.time_s - initial.step.time_s;
         self.real_time_factor =
             (wall_time.total_s > 0.0 && tally.counts.steps > 0).then(|| simulated_s / wall_time.total_s);
+    }
+
+    /// Sets what took part in cracks from the failure times of all elements, s.
+    pub fn set_cracks(&mut self, failure_times_s: impl Iterator<Item = f64>) {
+        let mut cracks = CrackSummary::default();
+        for time_s in failure_times_s.filter(|time_s| *time_s != NEVER_FAILED_S) {
+            cracks.failed_elements += 1;
+            cracks.first_failure_s =
+                Some(cracks.first_failure_s.map_or(time_s, |first_s| first_s.min(time_s)));
+            cracks.last_failure_s = Some(cracks.last_failure_s.map_or(time_s, |last_s| last_s.max(time_s)));
+        }
+        self.cracks = cracks;
     }
 
     /// Sets the limits of fracture that were reached.

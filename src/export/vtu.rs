@@ -4,10 +4,12 @@
 //! `displacement` from it (m), `velocity` (m/s). At cells: `cauchy_stress` (Pa, nine components
 //! xx xy xz yx yy yz zx zy zz, tension positive), `principal_stresses` (Pa, largest first),
 //! `body_id` (position of the body in the scene), `fragment_id` (counted from 0 in each body), `failure_index` (0
-//! unstressed, 1 fails; 0 for what cannot break). Arrays are binary, 64-bit floats.
+//! unstressed, 1 fails; 0 for what cannot break), `failure_time_s` (when the element first took part in a crack; -1:
+//! never. Parts of an element that was cut have its time), `crack_faces` (how many of its faces lie on a crack).
+//! Arrays are binary, 64-bit floats.
 
 use super::{ExportError, create_folder, write_whole};
-use crate::sim::{ElementStress, World};
+use crate::sim::{ElementStress, NEVER_FAILED_S, World};
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -123,6 +125,8 @@ struct Grid {
     body_id: Vec<u32>,
     fragment_id: Vec<u32>,
     failure_index: Vec<f64>,
+    failure_time_s: Vec<f64>,
+    crack_faces: Vec<u32>,
 }
 
 impl Grid {
@@ -161,6 +165,13 @@ impl Grid {
         self.fragment_id.resize(self.body_id.len(), 0);
         self.failure_index.extend(world.failure_indices(body));
         self.failure_index.resize(self.body_id.len(), 0.0);
+        self.failure_time_s.extend(world.failure_times_s(body));
+        self.failure_time_s.resize(self.body_id.len(), NEVER_FAILED_S);
+        let first_cell = self.crack_faces.len();
+        self.crack_faces.resize(self.body_id.len(), 0);
+        for face in world.crack_faces(body) {
+            self.crack_faces[first_cell + face.element as usize] += 1;
+        }
     }
 
     fn into_piece(self) -> UnstructuredGridPiece {
@@ -177,6 +188,8 @@ impl Grid {
                 Attribute::generic("body_id", 1).with_data(self.body_id),
                 Attribute::generic("fragment_id", 1).with_data(self.fragment_id),
                 Attribute::generic("failure_index", 1).with_data(self.failure_index),
+                Attribute::generic("failure_time_s", 1).with_data(self.failure_time_s),
+                Attribute::generic("crack_faces", 1).with_data(self.crack_faces),
             ],
         };
         UnstructuredGridPiece {
@@ -256,6 +269,8 @@ mod tests {
         assert_eq!(offsets, [4, 8]);
         assert_eq!(array(&piece.data.cell, "body_id"), [0.0, 1.0]);
         assert_eq!(array(&piece.data.point, "reference_position"), points);
+        assert_eq!(array(&piece.data.cell, "failure_time_s"), [-1.0; 2]);
+        assert_eq!(array(&piece.data.cell, "crack_faces"), [0.0; 2]);
         assert_eq!(array(&piece.data.cell, "cauchy_stress").len(), 18);
         assert_eq!(array(&piece.data.cell, "principal_stresses").len(), 6);
         assert_eq!(array(&piece.data.point, "velocity").len(), 24);

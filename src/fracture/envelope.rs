@@ -13,6 +13,8 @@ use std::f64::consts::TAU;
 /// Steps in which a ray is searched for its first crossing, and halvings that pin it down.
 const RAY_STEPS: u32 = 64;
 const HALVINGS: u32 = 50;
+/// No material bears more, Pa.
+const FARTHEST_PA: f64 = 1e13;
 
 /// Part of the principal stress space to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +57,49 @@ pub fn deviatoric_section(
 ) -> Result<Vec<Option<f64>>, CriterionError> {
     let angle = |index: u32| TAU * f64::from(index) / f64::from(count);
     (0..count).map(|index| distance_to_failure_pa(criterion, mean_pa, angle(index), reach_pa)).collect()
+}
+
+/// Section by the plane `s3 = 0`: the points `(s1, s2, 0)` of the surface, Pa, at `count` equally spaced angles
+/// `atan2(s2, s1)` from 0 on. `None` where the surface is farther than `reach_pa` from the unstressed state.
+///
+/// # Errors
+/// As for [`deviatoric_section`].
+pub fn plane_stress_section(
+    criterion: &Criterion,
+    count: u32,
+    reach_pa: f64,
+) -> Result<Vec<Option<DVec3>>, CriterionError> {
+    let direction = |index: u32| {
+        let (sin, cos) = (TAU * f64::from(index) / f64::from(count)).sin_cos();
+        DVec3::new(cos, sin, 0.0)
+    };
+    let point = |index: u32| -> Result<Option<DVec3>, CriterionError> {
+        let along = direction(index);
+        let found = first_crossing(reach_pa, |distance_pa| excess_at(criterion, distance_pa * along))?;
+        Ok(found.map(|distance_pa| distance_pa * along))
+    };
+    (0..count).map(point).collect()
+}
+
+/// How far failure is from a state in a direction, of whatever size: for choosing a reach. It is looked for
+/// at distances that double each time, so islands of failure may be stepped over. `None` beyond 10 TPa.
+///
+/// # Errors
+/// As for [`deviatoric_section`].
+pub fn distance_along_pa(
+    criterion: &Criterion,
+    from_pa: DVec3,
+    along: DVec3,
+) -> Result<Option<f64>, CriterionError> {
+    let at = |distance_pa: f64| excess_at(criterion, from_pa + distance_pa * along);
+    let mut reach_pa = 1.0;
+    while reach_pa < FARTHEST_PA {
+        if at(reach_pa)? >= 0.0 {
+            return first_crossing(reach_pa, at);
+        }
+        reach_pa *= 2.0;
+    }
+    Ok(None)
 }
 
 /// Meridian at an angle around the axis: `[mean stress, distance from the axis]`, Pa, at
@@ -142,7 +187,11 @@ fn excess(
     distance_pa: f64,
     angle_rad: f64,
 ) -> Result<f64, CriterionError> {
-    let stress = StressMeasures::of(principal_point_pa(mean_pa, distance_pa, angle_rad));
+    excess_at(criterion, principal_point_pa(mean_pa, distance_pa, angle_rad))
+}
+
+fn excess_at(criterion: &Criterion, point_pa: DVec3) -> Result<f64, CriterionError> {
+    let stress = StressMeasures::of(point_pa);
     // The index less one has the sign of the failure function, whatever rule governs.
     Ok(criterion.assess(&stress)?.index - 1.0)
 }
@@ -202,6 +251,33 @@ mod tests {
         let tensile = section(Strength::Tensile { tensile_strength_pa: K }, 0.0);
         assert!((tensile[0] - 1.5_f64.sqrt()).abs() < 1e-9);
         assert!((tensile[2] - 6.0_f64.sqrt()).abs() < 1e-9, "{tensile:?}");
+    }
+
+    #[test]
+    fn plane_stress_meets_the_uniaxial_strengths_and_is_open_where_nothing_fails() {
+        let friction_angle_rad = FRAC_PI_6;
+        let cone = criterion(Strength::MohrCoulomb { cohesion_pa: K, friction_angle_rad });
+        let points = plane_stress_section(&cone, 8, 10.0 * K).unwrap();
+        let (tension, compression) = (2.0 * K / 3.0_f64.sqrt(), 2.0 * K * 3.0_f64.sqrt());
+        let expected = [
+            (0, tension, 0.0),
+            (1, tension, tension),
+            (4, -compression, 0.0),
+            (5, -compression, -compression),
+        ];
+        for (index, s1, s2) in expected {
+            let found = points[index].unwrap() - DVec3::new(s1, s2, 0.0);
+            assert!(found.length() < 1e-6, "{index}: {found}");
+        }
+        let tensile = criterion(Strength::Tensile { tensile_strength_pa: K });
+        let open = plane_stress_section(&tensile, 8, 10.0 * K).unwrap();
+        assert_eq!(
+            open.iter().map(Option::is_some).collect::<Vec<_>>(),
+            [true, true, true, true, false, false, false, true]
+        );
+        let found = distance_along_pa(&cone, DVec3::ZERO, DVec3::NEG_X).unwrap().unwrap();
+        assert!((found - compression).abs() < 1e-6);
+        assert_eq!(distance_along_pa(&tensile, DVec3::ZERO, DVec3::NEG_X).unwrap(), None);
     }
 
     #[test]

@@ -10,6 +10,8 @@
 //! [`Renderer`] draws into a rectangle of any texture; [`OffScreen`] owns one and reads it back.
 //! Lighting is computed in linear colour; the finished bytes are sRGB, the same in both cases.
 //!
+//! [`paint`] draws diagrams, flat and without a GPU.
+//!
 //! The GPU half of `x_pass.rs` is `shaders/x_pass.wgsl`.
 //!
 //! ```no_run
@@ -36,6 +38,7 @@
 
 mod bindings;
 mod camera;
+mod canvas;
 mod color_map;
 mod compose_pass;
 mod depth_pass;
@@ -55,6 +58,7 @@ mod theme;
 mod view;
 
 pub use camera::{Camera, NamedView, Ray, UnknownView};
+pub use canvas::paint;
 pub use color_map::{ColorMap, body_srgb};
 pub use framing::{Floor, Framing};
 pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};

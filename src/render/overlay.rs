@@ -98,7 +98,7 @@ impl Overlay {
     }
 }
 
-fn raw_input(screen: Rect, pixels_per_point: f32) -> egui::RawInput {
+pub(crate) fn raw_input(screen: Rect, pixels_per_point: f32) -> egui::RawInput {
     let mut input = egui::RawInput {
         screen_rect: Some(screen),
         // A fixed time: nothing here is animated, and nothing may depend on the clock.

@@ -40,6 +40,7 @@ pub use problem::{Location, Problem, SceneError};
 pub use shape::{MeshFile, Shape};
 pub use summary::{BodySummary, SceneSummary};
 
+use crate::fracture::Criterion;
 use crate::sim::WorldSetup;
 use findings::{Finding, Findings};
 use std::path::{Path, PathBuf};
@@ -158,6 +159,19 @@ impl Scene {
             folder: folder.to_owned(),
         })
     }
+}
+
+/// What [`parse_criterion`] adds to the columns of the first line.
+pub const CRITERION_COLUMN: usize = parse::CRITERION_PREFIX.len();
+
+/// Reads a failure criterion by itself, written as the `fracture` of a material in a scene:
+/// `{ criterion = "tresca", shear_strength = 5e6 }`. `label` is what messages call it.
+///
+/// # Errors
+/// [`SceneError::Invalid`] with everything that is wrong; columns of the first line count from
+/// [`CRITERION_COLUMN`].
+pub fn parse_criterion(label: &str, table: &str) -> Result<Criterion, SceneError> {
+    parse::parse_criterion(label, table)
 }
 
 /// Findings whose paths are turned into places.

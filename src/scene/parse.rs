@@ -5,6 +5,8 @@ mod cross_checks;
 mod fracture;
 mod settings;
 
+pub(super) use fracture::{CRITERION_PREFIX, parse_criterion};
+
 use super::description::{GROUND, Ground, SceneDescription};
 use super::findings::Findings;
 use super::presets::{self, PRESETS};

@@ -10,7 +10,7 @@
 use super::body::Body;
 use super::elastic::StepContext;
 use super::release::Releases;
-use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, SimError};
+use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, NEVER_FAILED_S, SimError};
 use crate::contact::ContactSurface;
 use crate::fem::{ElasticConstants, ElementBatches};
 use crate::fracture::{
@@ -53,6 +53,8 @@ pub(super) struct Breaking {
     next_look_s: f64,
     /// Area of crack faces in the reference shape, one side counted, m2.
     pub crack_area_m2: f64,
+    /// By element: when it first took part in a crack, s; [`super::NEVER_FAILED_S`] before.
+    pub failure_times_s: Vec<f64>,
     pub limits: LimitsReached,
     /// Nodes of each fragment, ascending.
     fragment_nodes: Vec<Vec<u32>>,
@@ -106,6 +108,7 @@ impl Breaking {
             look_every_s: LOOK_SHARE * solid.altitude_floor_m() / ALTITUDE_SHARE / crack_speed_m_s,
             next_look_s: 0.0,
             crack_area_m2: 0.0,
+            failure_times_s: vec![NEVER_FAILED_S; solid.tets().len()],
             limits: LimitsReached::default(),
             fragment_nodes: Vec::new(),
             crack_speed_m_s,
@@ -179,6 +182,7 @@ impl Breaking {
 
     fn take_note(&mut self, changes: &Changes, time_s: f64) {
         self.pace.record(changes, time_s);
+        self.note_failure_times(changes, time_s);
         let reference_m = self.solid.reference_m();
         for face in &changes.crack_faces {
             let [a, b, c] = face.nodes.map(|n| reference_m[n as usize]);
@@ -186,6 +190,32 @@ impl Breaking {
             self.crack_area_m2 += 0.25 * (b - a).cross(c - a).length();
         }
         self.sort_nodes();
+    }
+
+    /// An element takes part in a crack when one of its faces opens, or one of a part cut from it.
+    fn note_failure_times(&mut self, changes: &Changes, time_s: f64) {
+        let times_s = &mut self.failure_times_s;
+        for new in &changes.new_elements {
+            times_s.push(times_s[new.cut_from as usize]);
+        }
+        let has_failed = |failure_time_s: f64| failure_time_s != NEVER_FAILED_S;
+        let fail = |failure_time_s: &mut f64| {
+            if !has_failed(*failure_time_s) {
+                *failure_time_s = time_s;
+            }
+        };
+        changes.crack_faces.iter().for_each(|face| fail(&mut times_s[face.element as usize]));
+        // From parts to wholes, and back to all parts.
+        for new in changes.new_elements.iter().rev() {
+            if has_failed(times_s[new.element as usize]) {
+                fail(&mut times_s[new.cut_from as usize]);
+            }
+        }
+        for new in &changes.new_elements {
+            if has_failed(times_s[new.cut_from as usize]) {
+                fail(&mut times_s[new.element as usize]);
+            }
+        }
     }
 
     fn sort_nodes(&mut self) {

@@ -27,4 +27,4 @@ pub use body::MassScaling;
 pub use contact_log::ContactEpisode;
 pub use report::{PhaseTimes, Sample, Stage, StepReport};
 pub use setup::*;
-pub use world::{ElementStress, SimError, World};
+pub use world::{ElementStress, NEVER_FAILED_S, SimError, World};

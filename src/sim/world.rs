@@ -116,6 +116,9 @@ pub struct World {
     pub(super) largest_penetration_ratio: f64,
 }
 
+/// Failure time of an element that has never taken part in a crack, s.
+pub const NEVER_FAILED_S: f64 = -1.0;
+
 impl World {
     /// Builds the world from plain data.
     ///
@@ -214,6 +217,13 @@ impl World {
         let stresses = self.element_stresses(body);
         let indexed = (0_u32..).zip(&stresses);
         indexed.map(|(element, stress)| breaking.failure_index(element, &stress.cauchy_pa)).collect()
+    }
+
+    /// When each element of a body first took part in a crack, s, or [`NEVER_FAILED_S`]; parts of an element that was
+    /// cut have its time. Empty for a body that cannot break.
+    #[must_use]
+    pub fn failure_times_s(&self, body: usize) -> &[f64] {
+        self.bodies[body].breaking.as_ref().map_or(&[], |b| &b.failure_times_s)
     }
 
     /// The cracked faces of a body: element and which of its faces, as in [`crate::mesh::TET_FACES`].

@@ -1,5 +1,8 @@
 //! When materials break, and how cracks grow.
 
+use super::super::document::SceneDocument;
+use super::super::findings::Findings;
+use super::super::problem::SceneError;
 use super::super::quantity::Quantity;
 use super::super::reader::Table;
 use crate::fracture::plane::PlaneRule;
@@ -42,6 +45,20 @@ pub(super) fn read_criterion(material: &mut Table) -> Option<Criterion> {
     Criterion::any_of(rules.filter(|rules| !rules.is_empty())?)
         .map_err(|error| table.problem("", error.to_string()))
         .ok()
+}
+
+/// What makes a text of a criterion.
+pub(in super::super) const CRITERION_PREFIX: &str = "fracture = ";
+
+/// Reads a criterion on its own, from an inline table as a scene has it.
+pub(in super::super) fn parse_criterion(label: &str, table: &str) -> Result<Criterion, SceneError> {
+    let document = SceneDocument::parse(label, &format!("{CRITERION_PREFIX}{table}"))?;
+    let findings = Findings::default();
+    let criterion = read_criterion(&mut Table::root(document.root(), &findings));
+    match criterion.filter(|_| findings.is_empty()) {
+        Some(criterion) => Ok(criterion),
+        None => Err(document.invalid(findings.into_problems())),
+    }
 }
 
 fn read_rule(table: &mut Table) -> Option<FailureRule> {

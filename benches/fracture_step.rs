@@ -1,0 +1,141 @@
+//! Fracture of boxes of about 1k, 10k and 100k tetrahedra in which the same number of elements fails: the work goes with
+//! what fails, so the times should hardly grow.
+
+use crate::elastic_step::unit_box;
+use criterion::{BatchSize, BenchmarkId, Criterion};
+use glam::DVec3;
+use hammerfall::fem::{ElasticConstants, ElementBatches, ElementKinematics, ForceScratch};
+use hammerfall::fracture::{
+    Criterion as FailureCriterion, Failure, FractureLimits, NodeState, PrincipalStress, Propagation, Solid,
+    Strength,
+};
+use hammerfall::mesh::TetMesh;
+use std::hint::black_box;
+
+/// Boxes along each side; six tetrahedra each.
+const CELLS: [usize; 3] = [6, 12, 26];
+/// Elements that fail at once, around the middle of the box.
+const FAILING: usize = 32;
+const DENSITY_KG_M3: f64 = 1000.0;
+const ALTITUDE_SHARE: f64 = 0.25;
+
+/// One call of [`Solid::propagate`] on a fresh body, and one look for failures around one displaced node.
+pub fn fracture_step(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("fracture_step");
+    group.sample_size(20);
+    for cells in CELLS {
+        let mesh = box_mesh(cells);
+        let elements = mesh.tets.len();
+        let middle_m = middle_m(&mesh);
+        let failures = failures_near(middle_m, &mesh);
+        let elsewhere = failures_near(middle_m / 3.0, &mesh);
+        let solid =
+            Solid::new(&mesh, &vec![DENSITY_KG_M3; elements], ALTITUDE_SHARE).expect("the box is sound");
+        let limits = FractureLimits { smallest_fragment_kg: 0.0, ..FractureLimits::for_body(&solid) };
+        let settings = Propagation { limits, ..Propagation::default() };
+        group.bench_function(BenchmarkId::new("propagate", elements), |bencher| {
+            let fresh = || {
+                let mut knife = Knife::new(&solid, &mesh);
+                // The first cut makes full lists move to larger places, which later ones seldom do.
+                knife.cut(&elsewhere, &settings);
+                knife
+            };
+            bencher.iter_batched_ref(fresh, |knife| knife.cut(&failures, &settings), BatchSize::PerIteration);
+        });
+        let looker = Looker::new(&mesh);
+        assert!(looker.look() > 0, "the displaced node makes elements fail");
+        group.bench_function(BenchmarkId::new("look", elements), |bencher| bencher.iter(|| looker.look()));
+    }
+    group.finish();
+}
+
+fn box_mesh(cells: usize) -> TetMesh {
+    let (nodes_m, tets) = unit_box(cells);
+    // One size of elements, whatever their number: the body grows, what fails stays as it is.
+    TetMesh::with_one_region(nodes_m.into_iter().map(|x| x * cells as f64).collect(), tets)
+}
+
+fn middle_m(mesh: &TetMesh) -> DVec3 {
+    mesh.nodes_m.iter().copied().reduce(DVec3::max).unwrap_or_default() / 2.0
+}
+
+/// The elements nearest to a place, torn nearly along x.
+fn failures_near(place_m: DVec3, mesh: &TetMesh) -> Vec<Failure> {
+    let distance_m = |tet: &[u32; 4]| {
+        let centroid_m = tet.iter().map(|node| mesh.nodes_m[*node as usize]).sum::<DVec3>() / 4.0;
+        centroid_m.distance(place_m)
+    };
+    let mut nearest: Vec<(f64, u32)> = mesh.tets.iter().map(distance_m).zip(0..).collect();
+    nearest.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let failing = nearest.into_iter().take(FAILING);
+    failing.map(|(_, element)| Failure { element, normal: DVec3::new(0.96, 0.28, 0.0), index: 1.0 }).collect()
+}
+
+/// A body to be cut once.
+struct Knife {
+    solid: Solid,
+    positions_m: Vec<DVec3>,
+    velocities_m_s: Vec<DVec3>,
+}
+
+impl Knife {
+    fn new(solid: &Solid, mesh: &TetMesh) -> Self {
+        let positions_m = mesh.nodes_m.clone();
+        Self { solid: solid.clone(), velocities_m_s: vec![DVec3::ZERO; positions_m.len()], positions_m }
+    }
+
+    fn cut(&mut self, failures: &[Failure], settings: &Propagation) {
+        let nodes =
+            NodeState { positions_m: &mut self.positions_m, velocities_m_s: &mut self.velocities_m_s };
+        let changes = self.solid.propagate(nodes, failures, settings, |_| true);
+        assert!(!black_box(changes).is_empty(), "what fails is cut");
+    }
+}
+
+/// A body with one node out of its place, its forces computed.
+struct Looker {
+    elements: ElementBatches,
+    scratch: ForceScratch,
+    positions_m: Vec<DVec3>,
+    criterion: FailureCriterion,
+}
+
+impl Looker {
+    const YOUNGS_MODULUS_PA: f64 = 1e6;
+    /// Of the displaced node, m; elements are a metre in size.
+    const DISPLACED_M: f64 = 0.02;
+    const SAFE_STRAIN: f64 = 1e-3;
+
+    fn new(mesh: &TetMesh) -> Self {
+        let stuff =
+            ElasticConstants::new(Self::YOUNGS_MODULUS_PA, 0.3, DENSITY_KG_M3).expect("a possible material");
+        let elements = ElementBatches::new(&mesh.nodes_m, &mesh.tets, &vec![stuff; mesh.tets.len()]);
+        let elements = elements.expect("the box is sound");
+        let mut positions_m = mesh.nodes_m.clone();
+        let middle_m = middle_m(mesh).floor();
+        let displaced = positions_m.iter_mut().find(|x| x.distance(middle_m) < 0.1);
+        displaced.expect("a node in the middle").x += Self::DISPLACED_M;
+        let mut scratch = ForceScratch::default();
+        let mut forces_n = vec![DVec3::ZERO; positions_m.len()];
+        elements.forces(&mut scratch, &positions_m, ElementKinematics::Green, &mut forces_n);
+        let strength = Strength::Tensile { tensile_strength_pa: 0.005 * Self::YOUNGS_MODULUS_PA };
+        let criterion = FailureCriterion::single(strength).expect("a sound strength");
+        Self { elements, scratch, positions_m, criterion }
+    }
+
+    /// How many elements fail.
+    fn look(&self) -> usize {
+        let kinematics = ElementKinematics::Green;
+        let strained = self.elements.strained_stresses_pa(
+            &self.scratch,
+            &self.positions_m,
+            kinematics,
+            Self::SAFE_STRAIN,
+        );
+        let fails = |(_, cauchy_pa): &&_| {
+            let measures = PrincipalStress::of(cauchy_pa).measures();
+            self.criterion.assess(&measures).is_ok_and(|found| found.fails())
+        };
+        strained.iter().filter(fails).count()
+    }
+}
