@@ -119,9 +119,7 @@ impl NearPair {
             weights: g.weights,
             weight_shifts_per_m: g.weight_shifts_per_m,
             normal: g.normal,
-            // Faces of a crack may have closed into each other before they came apart. Within one body nothing is
-            // pushed out at once: that would take energy from nowhere.
-            gap_m: if bodies[0] == bodies[1] { g.gap_m.max(0.0) } else { g.gap_m },
+            gap_m: g.gap_m,
             place_m,
             size_m: self.size_m,
             friction_coefficient: pair.friction_coefficient,
