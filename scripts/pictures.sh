@@ -16,7 +16,7 @@ for scene in hammer-ground hammer-table hammer-lamp rods-collision; do
 done
 for criterion in tensile mohr-coulomb tresca; do
     say "rendering plate-$criterion-fine"
-    cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion.png" --at 0.46 --size 480x300 --no-caption
+    cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion.png" --at 0.457 --size 480x300 --no-caption
 done
 say "drawing the failure criteria"
 cargo run --locked --quiet -- criteria -o assets/pictures/criteria.png
