@@ -69,18 +69,23 @@ fn parse_override(text: &str) -> Result<String, String> {
     }
 }
 
+/// Splits a number from its unit: the number's text, and what `units` says of the first of them that the text ends in, or
+/// 1 without a unit.
+pub fn split_unit<'a>(text: &'a str, units: &[(&str, f64)]) -> (&'a str, f64) {
+    let trimmed = text.trim();
+    let with_unit = |(unit, factor): &(&str, f64)| Some((trimmed.strip_suffix(unit)?, *factor));
+    let (number, factor) = units.iter().find_map(with_unit).unwrap_or((trimmed, 1.0));
+    (number.trim_end(), factor)
+}
+
 /// Reads a time of zero or more: seconds, or a number with `s`, `ms`, `us` or `ns`.
 ///
 /// # Errors
 /// What is wrong and what is expected, for clap to print.
 pub fn parse_time(text: &str) -> Result<f64, String> {
     const UNITS: [(&str, f64); 5] = [("ms", 1e3), ("us", 1e6), ("µs", 1e6), ("ns", 1e9), ("s", 1.0)];
-    let trimmed = text.trim();
-    let (number, per_second) = UNITS
-        .iter()
-        .find_map(|(unit, per_second)| Some((trimmed.strip_suffix(unit)?, *per_second)))
-        .unwrap_or((trimmed, 1.0));
-    match number.trim_end().parse::<f64>() {
+    let (number, per_second) = split_unit(text, &UNITS);
+    match number.parse::<f64>() {
         // Dividing by a power of ten is exact where multiplying by its inverse is not.
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value / per_second),
         Ok(_) => Err("a time must be finite and not negative".to_owned()),

@@ -316,11 +316,11 @@ impl<'a> NodeSide<'a> {
         }
         let [node, a, b, c] = near.nodes.map(|n| n.1);
         let is_held = self.pair.list.holds((self.bodies[0], node, self.bodies[1]), near.geometry.normal);
-        if self.bodies[0] == self.bodies[1] && !self.is_in_front(node, near.geometry.normal) {
+        let is_own = self.bodies[0] == self.bodies[1];
+        if is_own && !self.is_in_front(node, near.geometry.normal) {
             return None;
         }
         let path = self.paths(node, [a, b, c]);
-        let is_own = self.bodies[0] == self.bodies[1];
         let depths = &self.pair.depths;
         let is_too_deep = near.geometry.gap_m < -near.size_m * if is_held { depths.held } else { depths.new };
         let touches = !is_too_deep && path.touches(&near.geometry, near.size_m, is_held || is_own);

@@ -59,18 +59,22 @@ impl NodeTable {
     /// Relative velocity of the half step of a constraint, m/s.
     #[must_use]
     pub fn relative_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
-        self.rows[row].iter().zip(weights).map(|(i, w)| self.nodes[*i].velocity_m_s * *w).sum()
+        self.between((row, weights), |i| self.nodes[i].velocity_m_s)
     }
 
     /// Relative velocity at the start of the step of a constraint, m/s.
     pub(super) fn relative_start_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
-        self.rows[row].iter().zip(weights).map(|(i, w)| self.nodes[*i].start_velocity_m_s * *w).sum()
+        self.between((row, weights), |i| self.nodes[i].start_velocity_m_s)
     }
 
     /// Change of the relative velocity of a constraint by the response so far, m/s.
     pub(super) fn relative_change(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
-        let change = |i: usize| self.nodes[i].velocity_m_s - self.predicted_m_s[i];
-        self.rows[row].iter().zip(weights).map(|(i, w)| change(*i) * *w).sum()
+        self.between((row, weights), |i| self.nodes[i].velocity_m_s - self.predicted_m_s[i])
+    }
+
+    /// Weighted sum over a constraint's nodes, by their indices in the table.
+    fn between(&self, (row, weights): (usize, &[f64; 4]), of_node: impl Fn(usize) -> DVec3) -> DVec3 {
+        self.rows[row].iter().zip(weights).map(|(i, w)| of_node(*i) * *w).sum()
     }
 
     /// Velocities before the response, in the order of `nodes`, m/s.
@@ -108,7 +112,7 @@ impl NodeTable {
 
     /// Relative velocity of a constraint that goes with changes of the nodes' velocities, m/s.
     pub(super) fn change_between(&self, changes_m_s: &[DVec3], (row, weights): (usize, &[f64; 4])) -> DVec3 {
-        self.rows[row].iter().zip(weights).map(|(i, w)| changes_m_s[*i] * *w).sum()
+        self.between((row, weights), |i| changes_m_s[i])
     }
 
     /// Takes back all but a share of what has been applied since `saved`; above 1 it goes beyond.

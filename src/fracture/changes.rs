@@ -69,6 +69,14 @@ pub struct LimitsReached {
     pub waiting: u32,
 }
 
+impl std::ops::AddAssign for LimitsReached {
+    fn add_assign(&mut self, other: Self) {
+        self.elements += other.elements;
+        self.fragments += other.fragments;
+        self.waiting += other.waiting;
+    }
+}
+
 /// Everything that one call of [`super::Solid::propagate`] did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {

@@ -33,6 +33,6 @@ pub use formula::{Formula, FormulaError, FormulaProblem};
 pub use fragments::{Fragment, Fragments};
 pub use pace::CrackPace;
 pub use plane::PlaneRule;
-pub use propagate::{Failure, FractureLimits, Propagation, PropagationRule};
+pub use propagate::{Failure, FractureLimits, Propagation, PropagationRule, SMALLEST_FRAGMENT_ELEMENTS};
 pub use solid::{Face, NodeState, Solid, SolidError, SurfaceFace};
 pub use stress::{PrincipalStress, StressMeasures};

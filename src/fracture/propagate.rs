@@ -16,7 +16,7 @@ pub enum PropagationRule {
 }
 
 /// Elements of average size that the smallest fragment holds by default: a shard, not a splinter.
-const SMALLEST_FRAGMENT: f64 = 6.0;
+pub const SMALLEST_FRAGMENT_ELEMENTS: f64 = 6.0;
 
 /// Limits of what fracture may do to a body. Reaching one is counted in [`super::LimitsReached`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ impl FractureLimits {
         Self {
             max_elements: 8 * elements,
             smallest_fragment_elements: 1,
-            smallest_fragment_kg: SMALLEST_FRAGMENT * mass_kg / elements.max(1) as f64,
+            smallest_fragment_kg: SMALLEST_FRAGMENT_ELEMENTS * mass_kg / elements.max(1) as f64,
         }
     }
 }

@@ -275,10 +275,7 @@ impl Body {
         let pace = &breaking.pace;
         let may_crack = |element: u32| pace.may_crack(element, time_s);
         let changes = breaking.solid.propagate(nodes, &failures, &breaking.propagation, may_crack);
-        let (sum, reached) = (&mut breaking.limits, changes.limits);
-        sum.elements += reached.elements;
-        sum.fragments += reached.fragments;
-        sum.waiting += reached.waiting;
+        breaking.limits += changes.limits;
         if changes.is_empty() {
             return Ok(None);
         }

@@ -127,8 +127,7 @@ impl Body {
         let nodes = self.velocity_m_s.iter_mut().zip(&self.position_m).zip(&self.mass_kg);
         for (((v, x), m), inverse) in nodes.zip(&self.inverse_mass_per_kg) {
             let deforming = free_part(*v - velocity - spin.cross(*x - centre), *inverse);
-            taken_j += 0.5 * m * deforming.length_squared() * (1.0 - factor * factor);
-            *v -= deforming * (1.0 - factor);
+            taken_j += damp_node(v, deforming, *m, factor);
         }
         self.ledger.damped_j += taken_j;
     }
@@ -149,8 +148,7 @@ impl Body {
                 let v = &mut self.velocity_m_s[*n as usize];
                 let inverse = self.inverse_mass_per_kg[*n as usize];
                 let deforming = free_part(*v - velocity - spin.cross(*x - centre), inverse);
-                self.ledger.damped_j += 0.5 * m * deforming.length_squared() * (1.0 - factor * factor);
-                *v -= deforming * (1.0 - factor);
+                self.ledger.damped_j += damp_node(v, deforming, *m, factor);
             }
         }
     }
@@ -287,6 +285,12 @@ fn rigid_velocity(mass_kg: &[f64], positions_m: &[DVec3], velocities_m_s: &[DVec
     let nodes = mass_kg.iter().zip(velocities_m_s).zip(positions_m);
     let angular: DVec3 = nodes.map(|((m, v), x)| (*x - now.centre_m).cross(*v - velocity) * *m).sum();
     (now.centre_m, velocity, solve_inertia(&now.inertia_kg_m2, angular))
+}
+
+/// Lowers the deforming part of a node's velocity to `factor` of it. Returns the energy taken, J.
+fn damp_node(velocity_m_s: &mut DVec3, deforming_m_s: DVec3, mass_kg: f64, factor: f64) -> f64 {
+    *velocity_m_s -= deforming_m_s * (1.0 - factor);
+    0.5 * mass_kg * deforming_m_s.length_squared() * (1.0 - factor * factor)
 }
 
 /// A velocity without the axes along which the motion is prescribed.

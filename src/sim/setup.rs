@@ -1,6 +1,6 @@
 //! What a world is built from: plain data, checked by [`crate::sim::World::new`].
 
-use crate::fracture::{Criterion, PropagationRule};
+use crate::fracture::{Criterion, PropagationRule, SMALLEST_FRAGMENT_ELEMENTS};
 use crate::mesh::TetMesh;
 use glam::DVec3;
 
@@ -223,7 +223,7 @@ impl Default for FractureParameters {
             rule: PropagationRule::default(),
             crack_speed_m_s: None,
             max_elements: None,
-            smallest_fragment_elements: 6.0,
+            smallest_fragment_elements: SMALLEST_FRAGMENT_ELEMENTS,
         }
     }
 }

@@ -197,11 +197,9 @@ impl World {
     /// Limits of fracture that were reached so far, summed over the bodies.
     #[must_use]
     pub fn fracture_limits_reached(&self) -> LimitsReached {
-        self.breaking().fold(LimitsReached::default(), |sum, b| LimitsReached {
-            elements: sum.elements + b.limits.elements,
-            fragments: sum.fragments + b.limits.fragments,
-            waiting: sum.waiting + b.limits.waiting,
-        })
+        let mut sum = LimitsReached::default();
+        self.breaking().for_each(|b| sum += b.limits);
+        sum
     }
 
     /// Fragment of each element of a body; empty for a body that cannot break.

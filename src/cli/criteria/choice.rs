@@ -1,7 +1,7 @@
 //! Which criteria are drawn, and what the legend calls them.
 
 use super::CriteriaArgs;
-use crate::cli::args::CommonArgs;
+use crate::cli::args::{CommonArgs, split_unit};
 use crate::cli::console::Console;
 use crate::cli::failure::Failure;
 use crate::cli::scene_source;
@@ -187,12 +187,8 @@ pub fn parse_named_number(text: &str) -> Result<(String, f64), String> {
 /// What is expected, for clap to print.
 pub fn parse_stress(text: &str) -> Result<f64, String> {
     const UNITS: [(&str, f64); 4] = [("kPa", 1e3), ("MPa", 1e6), ("GPa", 1e9), ("Pa", 1.0)];
-    let trimmed = text.trim();
-    let (number, factor) = UNITS
-        .iter()
-        .find_map(|(unit, factor)| Some((trimmed.strip_suffix(unit)?, *factor)))
-        .unwrap_or((trimmed, 1.0));
-    match number.trim_end().parse::<f64>() {
+    let (number, factor) = split_unit(text, &UNITS);
+    match number.parse::<f64>() {
         Ok(value) if (value * factor).abs() < 1e12 => Ok(value * factor),
         Ok(_) => Err("no material bears such a stress".to_owned()),
         Err(_) => Err("expected a stress in Pa, e.g. -5e6 or -5MPa".to_owned()),
