@@ -125,6 +125,7 @@ impl Press {
     fn find(&self, candidates: &Candidates) -> Vec<Constraint> {
         let views = self.bodies.each_ref().map(|b| BodyView {
             surface: &b.surface,
+            reference_m: &b.positions_m,
             positions_m: &b.positions_m,
             velocities_m_s: &b.velocities_m_s,
         });
@@ -133,7 +134,6 @@ impl Press {
         let pair = PairView {
             bodies: [0, 1],
             views,
-            candidates,
             friction_coefficient: 0.3,
             step_s,
             list: &list,
@@ -142,7 +142,7 @@ impl Press {
         let fastest_m_s = self.bodies.iter().flat_map(|b| &b.velocities_m_s);
         let fastest_m_s = fastest_m_s.map(|v| v.length()).fold(0.0, f64::max);
         let mut found = Vec::new();
-        Near::of(&pair, fastest_m_s * step_s, 0.0).find(&pair, &mut found);
+        Near::of(&pair, candidates, [fastest_m_s * step_s, 0.0]).find(&pair, &mut found);
         found
     }
 

@@ -5,6 +5,7 @@
 //! Pairs are enumerated by triangles; every node and edge is spoken for by one triangle only, so that none
 //! comes twice and no set of pairs is needed.
 
+use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use glam::DVec3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -116,48 +117,38 @@ pub fn between(first: Boxed, second: Boxed, is_swept: bool) -> Candidates {
     found
 }
 
-/// Candidates of a body with itself. Features that are neighbours are left out: they could
-/// only meet by turning an element inside out. `[by_patch, by_edge]` tell whether two nodes are neighbours: a node
-/// and a corner of a patch, ends of two edges.
+/// Candidates of a body with itself.
 #[must_use]
-pub fn within(body: Boxed, are_neighbours: [&dyn Fn(u32, u32) -> bool; 2]) -> Candidates {
+pub fn within(own: &OwnFeatures, boxes: &SurfaceBoxes) -> Candidates {
     let mut found = Candidates::default();
-    let (surface, boxes) = body;
+    let surface = own.surface;
     let mut pairs = Vec::new();
     boxes.bvh.traverse_bvtt_single_tree::<false>(&mut BvhWorkspace::default(), &mut |t1, t2| {
         pairs.push((t1, t2));
     });
     for (t1, t2) in pairs {
-        let [n1, n2] = [t1, t2].map(|t| surface.triangles[t as usize]);
-        if n1.iter().any(|n| n2.contains(n)) || !overlap(&boxes.boxes[t1 as usize], &boxes.boxes[t2 as usize])
-        {
+        if !overlap(&boxes.boxes[t1 as usize], &boxes.boxes[t2 as usize]) || are_adjacent(surface, t1, t2) {
             continue;
         }
         push_nodes(&mut found.node_on_second, (surface, boxes, t1), (surface, boxes, t2), false);
         push_nodes(&mut found.node_on_second, (surface, boxes, t2), (surface, boxes, t1), false);
         push_edges(&mut found.edge_pairs, (surface, boxes, t1), (surface, boxes, t2), false);
     }
-    let [by_patch, by_edge] = are_neighbours;
     found.node_on_second.retain(|(node, triangle)| {
-        let corners = surface.triangles[*triangle as usize];
-        corners.iter().all(|c| !by_patch(*node, *c))
+        !surface.triangles[*triangle as usize].contains(node) && own.node_may_touch(*node, *triangle)
     });
     found.edge_pairs.retain(|(e1, e2)| {
-        let [a, b] = [e1, e2].map(|e| surface.edges[*e as usize].nodes);
-        a.iter().all(|n| b.iter().all(|m| !by_edge(*n, *m)))
+        let [p, q] = [e1, e2].map(|e| surface.edges[*e as usize].nodes);
+        p.iter().all(|n| !q.contains(n)) && own.edges_may_touch(*e1, *e2)
     });
     found
 }
 
-/// Whether two nodes of one body are neighbours in its reference shape.
-#[must_use]
-pub fn are_near_in_reference(surface: &ContactSurface, reference_m: &[DVec3], [n, m]: [u32; 2]) -> bool {
-    let [size_n, size_m] = [n, m].map(|node| surface.node_size_m[node as usize]);
-    reference_m[n as usize].distance(reference_m[m as usize]) <= NEIGHBOUR * size_n.max(size_m)
+/// Whether two triangles share a node and no crack runs there.
+fn are_adjacent(surface: &ContactSurface, t1: u32, t2: u32) -> bool {
+    let [n1, n2] = [t1, t2].map(|t| surface.triangles[t as usize]);
+    n1.iter().any(|n| n2.contains(n)) && n1.iter().chain(&n2).all(|n| !surface.is_at_crack(*n))
 }
-
-/// Reference distance, in local element sizes, up to which features of one body are neighbours.
-const NEIGHBOUR: f64 = 2.0;
 
 /// Share of their margins that features may have moved by the end of a step for which their boxes still serve.
 const MARGIN_USED: f64 = 0.75;

@@ -9,11 +9,22 @@ pub(super) type HeldNode = (u32, u32, u32);
 /// (first body, second body, first edge, second edge).
 type HeldEdges = (u32, u32, u32, u32);
 
+/// Stands for a triangle whose number is no longer known.
+const NO_TRIANGLE: u32 = u32::MAX;
+
+/// What held a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct HeldPatch {
+    triangle: u32,
+    normal: DVec3,
+    impulse_n_s: DVec3,
+}
+
 /// Which pairs pressed in the last step ("as in the last step" in the atomic table).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CollisionList {
-    /// (body of the node, node, body of the patch), sorted, with the normal and the impulse, N s.
-    held_nodes: Vec<(HeldNode, DVec3, DVec3)>,
+    /// By (body of the node, node, body of the patch), sorted.
+    held_nodes: Vec<(HeldNode, HeldPatch)>,
     /// (first body, second body, first edge, second edge), sorted, and the impulse, N s.
     held_edges: Vec<(HeldEdges, DVec3)>,
     /// Energy of their impacts.
@@ -27,8 +38,9 @@ impl CollisionList {
         let mut list = Self { stores: ImpactStores::of(constraints, left), ..Self::default() };
         for c in constraints.iter().filter(|c| c.impulse_n_s != DVec3::ZERO) {
             match c.feature {
-                Feature::NodeOnPatch { node, .. } => {
-                    list.held_nodes.push(((c.bodies[0], node, c.bodies[1]), c.normal, c.impulse_n_s));
+                Feature::NodeOnPatch { node, triangle } => {
+                    let patch = HeldPatch { triangle, normal: c.normal, impulse_n_s: c.impulse_n_s };
+                    list.held_nodes.push(((c.bodies[0], node, c.bodies[1]), patch));
                 }
                 Feature::EdgeOnEdge { first, second } => {
                     let key = (c.bodies[0], c.bodies[1], first, second);
@@ -45,14 +57,16 @@ impl CollisionList {
     #[must_use]
     pub fn keep(&self, of: impl Fn(u32) -> bool) -> Self {
         let mut kept = self.clone();
-        kept.held_nodes.retain(|((a, _, b), _, _)| of(*a) || of(*b));
+        kept.held_nodes.retain(|((a, _, b), _)| of(*a) || of(*b));
         kept.held_edges.retain(|((a, b, _, _), _)| of(*a) || of(*b));
         kept.stores = kept.stores.keep(of);
         kept
     }
 
-    /// Forgets the edges of a body whose edges have been numbered anew.
-    pub fn forget_edges_of(&mut self, body: u32) {
+    /// Forgets the edges and triangles of a body whose surface has been numbered anew.
+    pub fn forget_numbers_of(&mut self, body: u32) {
+        let of_body = |held: &&mut (HeldNode, HeldPatch)| held.0.2 == body;
+        self.held_nodes.iter_mut().filter(of_body).for_each(|held| held.1.triangle = NO_TRIANGLE);
         self.held_edges.retain(|((a, b, _, _), _)| *a != body && *b != body);
         self.stores.forget_edges_of(body);
     }
@@ -71,10 +85,18 @@ impl CollisionList {
         self.node_impulse_n_s(key, normal).is_some()
     }
 
+    /// Whether the node was held by this patch.
+    pub(super) fn holds_on(&self, key: HeldNode, triangle: u32) -> bool {
+        self.patches_of(key).any(|patch| patch.triangle == triangle)
+    }
+
     fn node_impulse_n_s(&self, key: HeldNode, normal: DVec3) -> Option<DVec3> {
+        self.patches_of(key).find(|patch| patch.normal.dot(normal) > SAME_SIDE).map(|patch| patch.impulse_n_s)
+    }
+
+    fn patches_of(&self, key: HeldNode) -> impl Iterator<Item = &HeldPatch> {
         let first = self.held_nodes.partition_point(|h| h.0 < key);
-        let mut same = self.held_nodes[first..].iter().take_while(|h| h.0 == key);
-        same.find(|h| h.1.dot(normal) > SAME_SIDE).map(|h| h.2)
+        self.held_nodes[first..].iter().take_while(move |h| h.0 == key).map(|h| &h.1)
     }
 
     fn edge_impulse_n_s(&self, key: HeldEdges) -> Option<DVec3> {

@@ -9,6 +9,7 @@ use super::collision_list::CollisionList;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
 use super::impact::ImpactStore;
+use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
 use glam::DVec3;
@@ -16,9 +17,17 @@ use glam::DVec3;
 /// Gap, as a share of the local element size, within which a pair takes part in the response even
 /// when the prediction does not close it: neighbours' impulses may.
 const NEAR: f64 = 1e-3;
+/// The same within a body, whose crack faces are all near each other.
+const OWN_NEAR: f64 = 1e-4;
 /// Penetration, as a share of the local element size, that a *new* pair may begin with: what a pair that was
 /// left out as redundant may have gathered.
 const NEW_PAIR_DEPTH: f64 = 4e-4;
+/// How far beyond its border, in barycentric coordinates, a crack face still carries the nodes that it was one with. The
+/// faces of a crack fit each other: a node that slips over the edge of one and dips behind it would get stuck there.
+const SKIRT: f64 = 0.05;
+/// Share of an edge at its ends that does not touch edges of the same body: nodes and patches do there, and a crack face has
+/// edges everywhere.
+const OWN_EDGE_END: f64 = 0.05;
 /// Cosine of the angle up to which two patches at a node are one plane.
 const SAME_PLANE: f64 = 0.9999;
 /// Mean of the cosines between the edges at a node and a patch's normal down to which the node's body counts as lying
@@ -34,6 +43,8 @@ const FAN_TOLERANCE: f64 = 0.1;
 pub struct BodyView<'a> {
     /// Surface.
     pub surface: &'a ContactSurface,
+    /// Reference positions, m.
+    pub reference_m: &'a [DVec3],
     /// Positions at the start of the step, m.
     pub positions_m: &'a [DVec3],
     /// Predicted velocities over the step, m/s.
@@ -41,20 +52,22 @@ pub struct BodyView<'a> {
 }
 
 impl BodyView<'_> {
+    fn features(&self) -> OwnFeatures<'_> {
+        OwnFeatures { surface: self.surface, reference_m: self.reference_m, positions_m: self.positions_m }
+    }
+
     fn velocity(&self, node: u32) -> DVec3 {
         self.velocities_m_s[node as usize]
     }
 }
 
-/// Two bodies (or one twice) and what may meet between them.
+/// Two bodies (or one twice).
 #[derive(Clone, Copy)]
 pub struct PairView<'a> {
     /// Numbers of the bodies.
     pub bodies: [u32; 2],
     /// The bodies.
     pub views: [BodyView<'a>; 2],
-    /// What may meet.
-    pub candidates: &'a Candidates,
     /// Coulomb friction coefficient.
     pub friction_coefficient: f64,
     /// Length of the step, s.
@@ -79,6 +92,8 @@ pub struct PairDepths {
 impl PairDepths {
     /// Where constraints keep the bodies apart.
     pub const CONSTRAINED: Self = Self { new: NEW_PAIR_DEPTH, new_edges: NEAR, held: 0.05 };
+    /// Depth of pairs that are held by constraints.
+    pub(super) const LARGEST: f64 = Self::CONSTRAINED.held;
     /// Where springs let the bodies into each other, and steps begin with a penetration: half an element,
     /// since beyond that a node may belong to the other side of a thin body.
     pub const SPRINGS: Self = Self { new: 0.5, new_edges: 0.5, held: 0.5 };
@@ -91,6 +106,8 @@ struct NearPair {
     nodes: [(u8, u32); 4],
     geometry: Geometry,
     size_m: f64,
+    /// Whether a crack of the body parted the node and the patch.
+    were_one: bool,
 }
 
 impl NearPair {
@@ -144,15 +161,17 @@ impl Near {
     /// Sorts out the candidates that cannot touch in the step, whose points come no nearer to each other than by
     /// `way_m`, even if their ways change by `slack_m` on top of that.
     #[must_use]
-    pub fn of(pair: &PairView, way_m: f64, slack_m: f64) -> Self {
-        let near_nodes = |side: usize, candidates: &[(u32, u32)]| {
+    pub fn of(pair: &PairView, candidates: &Candidates, [way_m, slack_m]: [f64; 2]) -> Self {
+        let near_nodes = |side: usize, nodes: &[(u32, u32)]| {
             let side = NodeSide::new(pair, side);
-            let near = candidates.iter().filter_map(|c| side.near(*c, way_m, slack_m));
+            let near = nodes.iter().filter_map(|c| side.near(*c, way_m, slack_m));
             let mut near: Vec<NearPair> = near.collect();
-            near.sort_by_key(|n| n.feature);
+            if !near.is_sorted_by_key(|n| n.feature) {
+                near.sort_by_key(|n| n.feature);
+            }
             near
         };
-        let c = pair.candidates;
+        let c = candidates;
         Self {
             nodes: [near_nodes(0, &c.node_on_second), near_nodes(1, &c.node_on_first)],
             edges: c.edge_pairs.iter().filter_map(|c| near_edges(pair, *c, way_m + slack_m)).collect(),
@@ -234,7 +253,8 @@ impl<'a> NodeSide<'a> {
             return false;
         }
         let is_one_plane = rival.normal.dot(c.normal) > SAME_PLANE;
-        let is_in_front = |c: &Constraint| self.is_in_front(c.nodes[0].1, c.normal);
+        let is_in_front =
+            |c: &Constraint| self.were_one(c.feature) || self.is_in_front(c.nodes[0].1, c.normal);
         if !is_one_plane && !self.is_convex_between(a, c) {
             return false;
         }
@@ -258,8 +278,13 @@ impl<'a> NodeSide<'a> {
         rank(rival, a).partial_cmp(&rank(c, b)) == Some(std::cmp::Ordering::Greater)
     }
 
-    /// Whether the node's own body lies in front of a patch with this normal. Within one body nothing else can touch: the
-    /// faces of a fresh crack lie on each other, and beside each of them the other part's outer faces begin.
+    /// Whether a crack of the body parted a node and a patch of it.
+    fn were_one(&self, feature: Feature) -> bool {
+        let Feature::NodeOnPatch { node, triangle } = feature else { return false };
+        self.bodies[0] == self.bodies[1] && self.views[1].surface.were_one(node, triangle)
+    }
+
+    /// Whether the node's own body lies in front of a patch with this normal.
     fn is_in_front(&self, node: u32, normal: DVec3) -> bool {
         let own = &self.views[0];
         own.surface.inward(node, own.positions_m).dot(normal) > -IN_FRONT
@@ -280,6 +305,11 @@ impl<'a> NodeSide<'a> {
         let corners = other.surface.triangles[triangle as usize];
         let size_m =
             other.surface.triangle_size_m[triangle as usize].min(own.surface.node_size_m[node as usize]);
+        let is_own = self.bodies[0] == self.bodies[1];
+        let were_one = is_own && other.surface.were_one(node, triangle);
+        if is_own && !were_one && other.features().has_twin_still_there(node, &corners, size_m) {
+            return None;
+        }
         let x = own.positions_m[node as usize];
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
         if is_out_of_reach(x, patch_m, [NEAR * size_m + way_m + slack_m, self.pair.depths.held * size_m]) {
@@ -287,7 +317,8 @@ impl<'a> NodeSide<'a> {
         }
         let geometry = Geometry::node_on_patch(x, patch_m)?;
         let foot = foot(&geometry);
-        let is_beside = foot < -BORDER && (geometry.gap_m <= 0.0 || -foot * size_m > 4.0 * (way_m + slack_m));
+        let border = if were_one { SKIRT } else { BORDER };
+        let is_beside = foot < -border && (geometry.gap_m <= 0.0 || -foot * size_m > 4.0 * (way_m + slack_m));
         if is_beside || geometry.gap_m < -self.pair.depths.held * size_m {
             return None;
         }
@@ -296,6 +327,7 @@ impl<'a> NodeSide<'a> {
             nodes: [(0, node), (1, corners[0]), (1, corners[1]), (1, corners[2])],
             geometry,
             size_m,
+            were_one,
         })
     }
 
@@ -311,20 +343,40 @@ impl<'a> NodeSide<'a> {
     }
 
     fn constraint(&self, near: &NearPair) -> Option<Constraint> {
-        if near.gap_after_m(&self.views, self.pair.step_s) > NEAR * near.size_m {
+        let far = if self.bodies[0] == self.bodies[1] { OWN_NEAR } else { NEAR };
+        if near.gap_after_m(&self.views, self.pair.step_s) > far * near.size_m {
             return None;
         }
         let [node, a, b, c] = near.nodes.map(|n| n.1);
-        let is_held = self.pair.list.holds((self.bodies[0], node, self.bodies[1]), near.geometry.normal);
+        let key = (self.bodies[0], node, self.bodies[1]);
+        let is_held = self.pair.list.holds(key, near.geometry.normal);
         let is_own = self.bodies[0] == self.bodies[1];
-        if is_own && !self.is_in_front(node, near.geometry.normal) {
-            return None;
-        }
         let path = self.paths(node, [a, b, c]);
         let depths = &self.pair.depths;
-        let is_too_deep = near.geometry.gap_m < -near.size_m * if is_held { depths.held } else { depths.new };
-        let touches = !is_too_deep && path.touches(&near.geometry, near.size_m, is_held || is_own);
+        let were_one = near.were_one;
+        // Among the edges of cracks, a node that came in from the side may be deep without belonging there.
+        let is_known = if self.is_cracked() { self.holds_on(near.feature) } else { is_held };
+        let is_too_deep =
+            near.geometry.gap_m < -near.size_m * if is_known { depths.held } else { depths.new };
+        let border = if were_one { SKIRT } else { BORDER };
+        let touches = !is_too_deep
+            && path.touches(&near.geometry, near.size_m, (is_held || is_own, border))
+            && !(is_own && !were_one && self.is_beside(near.feature));
         touches.then(|| near.constraint(self.bodies, &self.views, self.pair))
+    }
+
+    fn is_cracked(&self) -> bool {
+        self.views.iter().any(|view| view.surface.has_cracked())
+    }
+
+    fn holds_on(&self, feature: Feature) -> bool {
+        let Feature::NodeOnPatch { node, triangle } = feature else { return false };
+        self.pair.list.holds_on((self.bodies[0], node, self.bodies[1]), triangle)
+    }
+
+    fn is_beside(&self, feature: Feature) -> bool {
+        let Feature::NodeOnPatch { node, triangle } = feature else { return false };
+        self.views[1].features().is_beside(node, triangle)
     }
 }
 
@@ -353,8 +405,8 @@ struct Paths {
 
 impl Paths {
     /// Whether they touch, unless they lie too deep.
-    fn touches(&self, geometry: &Geometry, size_m: f64, is_held: bool) -> bool {
-        let is_over_patch = geometry.is_inside(BORDER);
+    fn touches(&self, geometry: &Geometry, size_m: f64, (is_held, border): (bool, f64)) -> bool {
+        let is_over_patch = geometry.is_inside(border);
         // Away from the borders, or for a node on the patch, the meeting point is decided by the start.
         let is_clear = foot(geometry).abs() * size_m > 4.0 * self.tangential_m();
         if is_clear || geometry.gap_m <= 0.0 {
@@ -399,13 +451,18 @@ fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Optio
     let (p, q) = (at(view1, n1), at(view2, n2));
     let size_m = (p[1] - p[0]).length().min((q[1] - q[0]).length());
     let reach_m = pair.depths.held * size_m + way_m;
+    let is_own = pair.bodies[0] == pair.bodies[1];
+    if is_own && n1.iter().any(|n| view2.features().has_twin_still_there(*n, &n2, size_m)) {
+        return None;
+    }
     if !edges_may_touch(p, q, reach_m) {
         return None;
     }
     let fans = [edge_fan(view1, first), edge_fan(view2, second)];
     let geometry = Geometry::edge_on_edge(p, q, fans[1].outward - fans[0].outward)?;
+    let border = if is_own { OWN_EDGE_END } else { BORDER };
     let is_near = geometry.gap_m >= -pair.depths.held * size_m
-        && geometry.is_inside(-BORDER)
+        && geometry.is_inside(-border)
         && fans[1].contains(geometry.normal)
         && fans[0].contains(-geometry.normal);
     is_near.then_some(NearPair {
@@ -413,15 +470,20 @@ fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Optio
         nodes: [(0, n1[0]), (0, n1[1]), (1, n2[0]), (1, n2[1])],
         geometry,
         size_m,
+        were_one: false,
     })
 }
 
 fn edge_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
     let Feature::EdgeOnEdge { first, second } = near.feature else { return None };
     let is_held = pair.list.holds_edges(pair.bodies, [first, second]);
-    let depth = if is_held { pair.depths.held } else { pair.depths.new_edges };
+    let is_own = pair.bodies[0] == pair.bodies[1];
+    let new_depth = if is_own { pair.depths.new } else { pair.depths.new_edges };
+    let depth = if is_held { pair.depths.held } else { new_depth };
+    let far = if is_own { OWN_NEAR } else { NEAR };
     let touches = near.geometry.gap_m >= -depth * near.size_m
-        && near.gap_after_m(&pair.views, pair.step_s) <= NEAR * near.size_m;
+        && near.gap_after_m(&pair.views, pair.step_s) <= far * near.size_m
+        && !(is_own && pair.views[0].features().edges_are_beside(first, second));
     touches.then(|| near.constraint(pair.bodies, &pair.views, pair))
 }
 
@@ -482,17 +544,16 @@ mod tests {
         let pair = PairView {
             bodies: [0, 1],
             views: [
-                BodyView { surface: &s1, positions_m: &x1, velocities_m_s: &still },
-                BodyView { surface: &s2, positions_m: &x2, velocities_m_s: &moving },
+                BodyView { surface: &s1, reference_m: &x1, positions_m: &x1, velocities_m_s: &still },
+                BodyView { surface: &s2, reference_m: &x2, positions_m: &x2, velocities_m_s: &moving },
             ],
-            candidates: &candidates,
             friction_coefficient: 0.0,
             step_s,
             list: &CollisionList::default(),
             depths: PairDepths::CONSTRAINED,
         };
         let mut out = Vec::new();
-        Near::of(&pair, step_s * velocity.length(), 0.0).find(&pair, &mut out);
+        Near::of(&pair, &candidates, [step_s * velocity.length(), 0.0]).find(&pair, &mut out);
         out.len()
     }
 

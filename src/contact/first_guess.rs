@@ -16,8 +16,14 @@ const ROUNDS: u32 = 16;
 const ROUNDS_TOGETHER: u32 = 4;
 /// Iterations of conjugate gradients in one round.
 const ITERATIONS: u32 = 40;
+/// The same where bodies touch themselves.
+const OWN_ITERATIONS: u32 = 12;
+/// Rounds where bodies touch themselves: the pairs that press change too much from step to step to be told exactly.
+const OWN_ROUNDS: u32 = 3;
 /// Change of an impulse, over the largest impulse, that a round may leave.
 const TOLERANCE: f64 = 1e-5;
+/// The same where bodies touch themselves.
+const OWN_TOLERANCE: f64 = 1e-3;
 
 /// Applies first guesses of the impulses. The constraints carry those of the last step.
 pub(super) fn start(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
@@ -48,6 +54,9 @@ struct Guess<'a> {
     /// What the relative normal velocity of each pair lacks of its target with these impulses, m/s.
     shortfall_m_s: Vec<f64>,
     presses: Vec<bool>,
+    rounds: u32,
+    iterations: u32,
+    tolerance: f64,
     /// Changes of node velocities, in the order of the table, m/s.
     change_m_s: Vec<DVec3>,
 }
@@ -62,7 +71,16 @@ impl<'a> Guess<'a> {
             let c = &constraints[row.index];
             c.impulse_n_s.dot(c.normal).max(0.0)
         };
+        let is_own = rows.iter().any(PairRow::is_own);
+        let (rounds, iterations, tolerance) = if is_own {
+            (OWN_ROUNDS, OWN_ITERATIONS, OWN_TOLERANCE)
+        } else {
+            (ROUNDS, ITERATIONS, TOLERANCE)
+        };
         let mut guess = Self {
+            rounds,
+            iterations,
+            tolerance,
             rows,
             constraints,
             table,
@@ -88,16 +106,17 @@ impl<'a> Guess<'a> {
             let c = &self.constraints[row.index];
             self.table.add_change(&mut self.change_m_s, (row.index, &c.weights), c.normal * *x);
         }
-        let response = |row: &PairRow| {
+        let response = |(row, x): (&PairRow, &f64)| {
             let c = &self.constraints[row.index];
-            self.table.change_between(&self.change_m_s, (row.index, &c.weights)).dot(c.normal)
+            let change = self.table.change_between(&self.change_m_s, (row.index, &c.weights));
+            change.dot(c.normal) + row.yield_per_kg * x
         };
-        self.rows.iter().map(response).collect()
+        self.rows.iter().zip(normal_n_s).map(response).collect()
     }
 
     /// Solves for the pressing pairs and mends their set until it no longer changes.
     fn find_pressing(&mut self) {
-        for round in 0..ROUNDS {
+        for round in 0..self.rounds {
             self.solve();
             let most_n_s = self.most_n_s();
             let pulling = self.strongest(round, |guess, i| -guess.normal_n_s[i]);
@@ -107,7 +126,7 @@ impl<'a> Guess<'a> {
             }
             let closing = self.strongest(round, |guess, i| {
                 let change_n_s = guess.shortfall_m_s[i] / guess.rows[i].normal_block_per_kg;
-                if guess.presses[i] { 0.0 } else { change_n_s - 2.0 * TOLERANCE * most_n_s }
+                if guess.presses[i] { 0.0 } else { change_n_s - 2.0 * guess.tolerance * most_n_s }
             });
             if closing.is_empty() {
                 return;
@@ -155,9 +174,9 @@ impl<'a> Guess<'a> {
         let mut z = self.preconditioned();
         let mut direction = z.clone();
         let mut energy_j = self.work_j(&z);
-        for _ in 0..ITERATIONS {
+        for _ in 0..self.iterations {
             let largest_n_s = z.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if largest_n_s <= TOLERANCE * self.most_n_s() {
+            if largest_n_s <= self.tolerance * self.most_n_s() {
                 return;
             }
             let response = self.response(&direction);

@@ -179,19 +179,24 @@ pub(super) fn rebound_speeds_m_s(constraints: &[Constraint]) -> Vec<f64> {
     if constraints.iter().all(|c| !c.stored.is_filled()) {
         return vec![0.0; constraints.len()];
     }
-    let places = places(constraints);
+    // Within a body nothing is stored, and nothing rebounds.
+    let between: Vec<usize> = (0..constraints.len()).filter(|i| is_between(&constraints[*i])).collect();
+    let places = places(constraints, between);
     let mut speeds_m_s = vec![0.0_f64; constraints.len()];
     let mut presses = vec![false; constraints.len()];
-    for (c, place) in constraints.iter().zip(&places) {
+    for (c, place) in constraints.iter().zip(&places).filter(|(c, _)| is_between(c)) {
         speeds_m_s[*place] = speeds_m_s[*place].max(c.stored.speed_m_s);
         presses[*place] |= c.impulse_n_s != DVec3::ZERO;
     }
     places.iter().map(|place| if presses[*place] { 0.0 } else { speeds_m_s[*place] }).collect()
 }
 
-/// The number of the place of each pair, which is the number of one of its pairs.
-fn places(constraints: &[Constraint]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..constraints.len()).collect();
+fn is_between(c: &Constraint) -> bool {
+    c.bodies[0] != c.bodies[1]
+}
+
+/// The number of the place of each pair, which is the number of one of its pairs; those that are not listed are alone.
+fn places(constraints: &[Constraint], mut order: Vec<usize>) -> Vec<usize> {
     order.sort_by(|a, b| constraints[*a].place_m.x.total_cmp(&constraints[*b].place_m.x).then(a.cmp(b)));
     let widest_m = constraints.iter().map(|c| REACH * c.size_m).fold(0.0, f64::max);
     let mut sets = DisjointSets::new(constraints.len());

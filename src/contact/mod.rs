@@ -5,6 +5,7 @@
 
 pub mod atomic;
 pub mod candidates;
+pub mod close;
 pub mod collision_list;
 pub mod constraint;
 pub mod detect;
@@ -12,12 +13,15 @@ pub mod first_guess;
 mod geometry;
 pub mod impact;
 pub mod nodes;
+pub mod own;
 mod passes;
 pub mod response;
 pub mod surface;
 pub mod time_of_impact;
 
+pub use close::CloseList;
 pub use collision_list::CollisionList;
 pub use constraint::Constraint;
 pub use detect::{BodyView, Near, PairDepths, PairView};
-pub use surface::ContactSurface;
+pub use own::OwnFeatures;
+pub use surface::{ContactSurface, CrackSide};

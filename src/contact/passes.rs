@@ -11,10 +11,21 @@ use glam::DVec3;
 
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
 const PENETRATION_LEFT: f64 = 1e-4;
+/// Penetration within a body up to which no more passes are asked for, as a share of the local size.
+const OWN_PENETRATION_LEFT: f64 = 3e-4;
+/// Passes after which a response within a body gives up.
+const OWN_MOST_PASSES: u32 = 60;
 /// Mobility along the normal, over that along the freest axis, below which a pair cannot be opened.
 const LEAST_BLOCK: f64 = 1e-3;
 /// Pairs that say nearly the same settle more slowly than the passes asked for allow: they get this many times as many.
 const PATIENCE: u32 = 8;
+/// The same where bodies touch themselves. The sides of a crack say the same many times over, so that impulses wander among
+/// them for ever while the velocities stand.
+const OWN_PATIENCE: u32 = 2;
+
+/// By how much of its own block a pair of one body yields. The sides of a crack may hold each other in both directions: then
+/// only the difference of the impulses means anything, and their sum would grow from step to step.
+const OWN_YIELD: f64 = 5e-3;
 
 /// Passes over the pairs until they settle, `most_passes` at most.
 pub(super) fn settle(
@@ -25,16 +36,18 @@ pub(super) fn settle(
 ) -> ResponseReport {
     let mut report = ResponseReport::default();
     let mut memory = Anderson::default();
+    let is_own = rows.iter().any(PairRow::is_own);
+    let patience = if is_own { OWN_PATIENCE } else { PATIENCE };
     loop {
         let pass = Pass::over(rows, constraints, table);
         report.last_change = pass.relative_change();
         report.passes += 1;
         let is_settled = report.last_change < p.tolerance;
-        let is_time = is_settled || report.passes >= p.passes * PATIENCE;
-        let is_done =
-            is_time && (report.last_change < 1e-12 || !penetrates(rows, constraints, table, p.step_s));
+        let is_time = is_settled || report.passes >= p.passes * patience;
+        let is_done = is_time
+            && (report.last_change < 1e-12 || !penetrates(rows, constraints, table, (p.step_s, is_own)));
         // The last word has a plain pass, in which every pair obeys its law.
-        if is_done || report.passes >= most_passes {
+        if is_done || report.passes >= if is_own { most_passes.min(OWN_MOST_PASSES) } else { most_passes } {
             return report;
         }
         memory.accelerate(rows, constraints, table, pass);
@@ -106,7 +119,7 @@ impl Anderson {
         let too_far = dot(&further, &further) > FURTHEST * FURTHEST * dot(&change, &change);
         for (row, further) in rows.iter().zip(&further).filter(|_| !too_far) {
             let c = &mut constraints[row.index];
-            if *further != DVec3::ZERO && c.allows(c.impulse_n_s + *further) {
+            if *further != DVec3::ZERO && row.allows(c, c.impulse_n_s + *further) {
                 c.impulse_n_s += *further;
                 table.apply(row.index, &c.weights, *further);
             }
@@ -143,11 +156,22 @@ fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-fn penetrates(rows: &[PairRow], constraints: &[Constraint], table: &NodeTable, step_s: f64) -> bool {
+/// Whether a pair would end the step too deep. `is_own` where bodies touch themselves, and few passes are taken for granted:
+/// there small steps into each other would add up.
+fn penetrates(
+    rows: &[PairRow],
+    constraints: &[Constraint],
+    table: &NodeTable,
+    (step_s, is_own): (f64, bool),
+) -> bool {
     rows.iter().any(|row| {
         let c = &constraints[row.index];
         let normal_v = table.relative_velocity(row.index, &c.weights).dot(c.normal);
-        let allowed_m = PENETRATION_LEFT * c.size_m - c.gap_m.min(0.0);
+        let allowed_m = if is_own {
+            (OWN_PENETRATION_LEFT * c.size_m).max(-c.gap_m)
+        } else {
+            PENETRATION_LEFT * c.size_m - c.gap_m.min(0.0)
+        };
         c.gap_m + step_s * normal_v < -allowed_m
     })
 }
@@ -157,6 +181,10 @@ pub(super) struct PairRow {
     pub(super) index: usize,
     pub(super) normal_block_per_kg: f64,
     tangent_block_per_kg: f64,
+    /// Relative normal velocity that the pair yields for an impulse, 1/kg.
+    pub(super) yield_per_kg: f64,
+    /// Normal impulse from which friction is taken at most, N s.
+    most_normal_n_s: f64,
 }
 
 impl PairRow {
@@ -165,11 +193,24 @@ impl PairRow {
         let block = table.block(index, &constraint.weights);
         let n = constraint.normal;
         let normal_block_per_kg = n.dot(block * n);
+        let is_own = constraint.bodies[0] == constraint.bodies[1];
         (normal_block_per_kg > LEAST_BLOCK * block.max_element()).then(|| Self {
             index,
             normal_block_per_kg,
             tangent_block_per_kg: block.max_element(),
+            yield_per_kg: if is_own { OWN_YIELD * normal_block_per_kg } else { 0.0 },
+            most_normal_n_s: if is_own { constraint.impulse_n_s.dot(n).max(0.0) } else { f64::INFINITY },
         })
+    }
+
+    pub(super) fn is_own(&self) -> bool {
+        self.yield_per_kg > 0.0
+    }
+
+    /// Whether an impulse pushes and its friction is no larger than it may be.
+    fn allows(&self, c: &Constraint, impulse_n_s: DVec3) -> bool {
+        let most_n_s = c.friction_coefficient * self.most_normal_n_s;
+        c.allows(impulse_n_s) && impulse_n_s.reject_from_normalized(c.normal).length() <= most_n_s
     }
 
     /// Solves the pair with all others held.
@@ -177,13 +218,18 @@ impl PairRow {
         let velocity = table.relative_velocity(self.index, &c.weights);
         let old = c.impulse_n_s;
         let old_normal = old.dot(c.normal);
-        let shortfall = c.target_m_s - velocity.dot(c.normal);
-        let normal_part = (old_normal + shortfall / self.normal_block_per_kg).max(0.0);
+        let shortfall = c.target_m_s - velocity.dot(c.normal) - self.yield_per_kg * old_normal;
+        let block_per_kg = self.normal_block_per_kg + self.yield_per_kg;
+        let normal_part = (old_normal + shortfall / block_per_kg).max(0.0);
         let mut tangential = DVec3::ZERO;
         if c.friction_coefficient > 0.0 && normal_part > 0.0 {
             let slip = velocity - c.normal * velocity.dot(c.normal);
-            let sticking = (old - c.normal * old_normal) - slip / self.tangent_block_per_kg;
-            tangential = sticking.clamp_length_max(c.friction_coefficient * normal_part);
+            let held = old - c.normal * old_normal;
+            let yielding_per_kg = if self.is_own() { OWN_YIELD * self.tangent_block_per_kg } else { 0.0 };
+            let sticking =
+                held - (slip + held * yielding_per_kg) / (self.tangent_block_per_kg + yielding_per_kg);
+            tangential =
+                sticking.clamp_length_max(c.friction_coefficient * normal_part.min(self.most_normal_n_s));
         }
         c.impulse_n_s = c.normal * normal_part + tangential;
         let change = c.impulse_n_s - old;

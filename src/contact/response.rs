@@ -27,6 +27,12 @@ const BLOW_MARGIN: f64 = 1.2;
 /// Share of an aimed blow below which its nodes count as obstructed. A free pair takes `1 / BLOW_MARGIN`.
 const OBSTRUCTED: f64 = 0.5;
 
+/// Penetration, as a share of the local size, that is not pushed out between features of one body. The sides of a crack may
+/// interlock, so that one pair's way out is another's way in.
+const OWN_SLACK: f64 = 1e-4;
+/// Share of what is deeper that one step pushes out there.
+const OWN_PUSH: f64 = 0.1;
+
 /// Parameters of the response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResponseParameters {
@@ -183,7 +189,12 @@ fn store_impacts(
 pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &ResponseParameters) {
     for (row, c) in constraints.iter_mut().enumerate() {
         let closing_m_s = -table.relative_start_velocity(row, &c.weights).dot(c.normal);
+        let is_own = c.bodies[0] == c.bodies[1];
+        let slack_m = if is_own { OWN_SLACK * c.size_m } else { 0.0 };
         let mut touch_m_s = -c.gap_m / p.step_s;
+        if touch_m_s > 0.0 && is_own {
+            touch_m_s = OWN_PUSH * (touch_m_s - slack_m / p.step_s).max(0.0);
+        }
         if touch_m_s > 0.0 {
             // A penetration left over is pushed out gently: at once would throw the nodes apart.
             touch_m_s = touch_m_s.min(p.rest_speed_m_s + 0.1 * closing_m_s.abs() + f64::MIN_POSITIVE);

@@ -19,6 +19,15 @@ pub struct ContactEdge {
     pub is_sharp: bool,
 }
 
+/// What of a crack a triangle is: `pair` counts the faces that were two sides of one face, or parts of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CrackSide {
+    /// Number of the pair.
+    pub pair: u32,
+    /// Which of its two sides.
+    pub above: bool,
+}
+
 /// The surface of one body, in terms of its own node indices.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
@@ -37,29 +46,36 @@ pub struct ContactSurface {
     pub owns_node: Vec<[bool; 3]>,
     /// For each triangle, the edges it speaks for.
     pub owned_edges: Vec<[Option<u32>; 3]>,
+    /// For each triangle, whether a crack opened there.
+    pub crack_sides: Vec<Option<CrackSide>>,
     /// Nodes joined to each node of the body by an edge of the surface.
-    neighbours: Neighbours,
+    neighbours: NodeLists,
+    /// Triangles at each node of the body that are crack faces.
+    crack_triangles: NodeLists,
 }
 
-/// Lists of nodes, one per node, end to end.
+/// Lists of numbers, one per node, end to end.
 #[derive(Clone, Debug, Default)]
-struct Neighbours {
+struct NodeLists {
     starts: Vec<u32>,
-    nodes: Vec<u32>,
+    entries: Vec<u32>,
 }
 
-impl Neighbours {
-    fn new(edges: &[ContactEdge], node_count: usize) -> Self {
-        let both = |e: &ContactEdge| [(e.nodes[0], e.nodes[1]), (e.nodes[1], e.nodes[0])];
-        let mut pairs: Vec<(u32, u32)> = edges.iter().flat_map(both).collect();
+impl NodeLists {
+    /// From pairs of a node and an entry.
+    fn new(mut pairs: Vec<(u32, u32)>, node_count: usize) -> Self {
         pairs.sort_unstable();
-        let starts = (0..=node_count as u32).map(|n| pairs.partition_point(|p| p.0 < n) as u32).collect();
-        Self { starts, nodes: pairs.into_iter().map(|p| p.1).collect() }
+        let mut starts = vec![0_u32; node_count + 1];
+        pairs.iter().for_each(|(node, _)| starts[*node as usize + 1] += 1);
+        for node in 0..node_count {
+            starts[node + 1] += starts[node];
+        }
+        Self { starts, entries: pairs.into_iter().map(|p| p.1).collect() }
     }
 
     fn of(&self, node: u32) -> &[u32] {
         let [from, to] = [node, node + 1].map(|n| self.starts[n as usize] as usize);
-        &self.nodes[from..to]
+        &self.entries[from..to]
     }
 }
 
@@ -99,8 +115,58 @@ impl ContactSurface {
             let free = slots.iter().position(Option::is_none).unwrap_or(2);
             slots[free] = Some(index as u32);
         }
-        let neighbours = Neighbours::new(&edges, reference_m.len());
-        Self { triangles, edges, nodes, triangle_size_m, node_size_m, owns_node, owned_edges, neighbours }
+        let joined = edges.iter().flat_map(|e| [(e.nodes[0], e.nodes[1]), (e.nodes[1], e.nodes[0])]);
+        let neighbours = NodeLists::new(joined.collect(), reference_m.len());
+        let crack_triangles = NodeLists::new(Vec::new(), reference_m.len());
+        let crack_sides = vec![None; triangles.len()];
+        Self {
+            triangles,
+            edges,
+            nodes,
+            triangle_size_m,
+            node_size_m,
+            owns_node,
+            owned_edges,
+            crack_sides,
+            neighbours,
+            crack_triangles,
+        }
+    }
+
+    /// The same surface, of which these triangles are crack faces: one entry per triangle.
+    #[must_use]
+    pub fn with_cracks(mut self, sides: Vec<Option<CrackSide>>) -> Self {
+        let cracked = (0_u32..).zip(&self.triangles).zip(&sides).filter(|(_, side)| side.is_some());
+        let at_nodes = cracked.flat_map(|((triangle, nodes), _)| nodes.map(|node| (node, triangle)));
+        self.crack_triangles = NodeLists::new(at_nodes.collect(), self.node_size_m.len());
+        self.crack_sides = sides;
+        self
+    }
+
+    /// Whether any triangle is a crack face.
+    #[must_use]
+    pub fn has_cracked(&self) -> bool {
+        !self.crack_triangles.entries.is_empty()
+    }
+
+    /// Whether a crack face ends at the node.
+    #[must_use]
+    pub fn is_at_crack(&self, node: u32) -> bool {
+        !self.crack_triangles.of(node).is_empty()
+    }
+
+    /// Whether a crack parted the node's side of the triangle from the triangle.
+    #[must_use]
+    pub fn were_one(&self, node: u32, triangle: u32) -> bool {
+        let Some(CrackSide { pair, above }) = self.crack_sides[triangle as usize] else { return false };
+        let other_side = Some(CrackSide { pair, above: !above });
+        self.crack_triangles.of(node).iter().any(|t| self.crack_sides[*t as usize] == other_side)
+    }
+
+    /// Whether an edge of the surface joins two nodes.
+    #[must_use]
+    pub fn are_joined(&self, n: u32, m: u32) -> bool {
+        self.neighbours.of(n).contains(&m)
     }
 
     /// Mean of the unit vectors along the surface edges at a node: points into the body at a convex corner,

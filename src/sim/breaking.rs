@@ -11,10 +11,10 @@ use super::body::Body;
 use super::elastic::StepContext;
 use super::release::Releases;
 use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, NEVER_FAILED_S, SimError};
-use crate::contact::ContactSurface;
+use crate::contact::{ContactSurface, CrackSide};
 use crate::fem::{ElasticConstants, ElementBatches};
 use crate::fracture::{
-    Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, LimitsReached, NodeBirth,
+    Changes, CrackPace, Criterion, CriterionError, Face, Failure, FractureLimits, LimitsReached, NodeBirth,
     NodeState, PrincipalStress, Propagation, Solid, StressMeasures,
 };
 use crate::math::{MassProperties, symmetric_eigenvalues_estimate};
@@ -122,11 +122,6 @@ impl Breaking {
         Ok(Some(breaking))
     }
 
-    /// Whether there is any crack.
-    pub fn has_cracked(&self) -> bool {
-        self.crack_area_m2 > 0.0
-    }
-
     /// Whether the body has come apart.
     pub fn is_broken(&self) -> bool {
         self.fragment_nodes.len() > self.first_fragments
@@ -137,10 +132,17 @@ impl Breaking {
         &self.fragment_nodes
     }
 
-    /// Whether two nodes belong to one element.
-    pub fn are_joined(&self, n: u32, m: u32) -> bool {
-        let tets = self.solid.tets();
-        self.solid.elements_at(n).iter().any(|e| tets[*e as usize].contains(&m))
+    /// What of a crack each triangle of the boundary is.
+    fn crack_sides(&self, boundary: &Surface) -> Vec<Option<CrackSide>> {
+        let side = |(triangle, tet): (&[u32; 3], &u32)| {
+            let corners = self.solid.tets()[*tet as usize];
+            let face = corners.iter().position(|corner| !triangle.contains(corner))?;
+            match self.solid.faces()[*tet as usize][face] {
+                Face::Crack { pair, above } => Some(CrackSide { pair, above }),
+                Face::Boundary | Face::Inner(_) => None,
+            }
+        };
+        boundary.triangles.iter().zip(&boundary.triangle_tet).map(side).collect()
     }
 
     /// Material of an element, an index into the body's materials.
@@ -352,7 +354,8 @@ impl Body {
         }
         self.ledger.dropped_j += changes.kinetic_energy_lost_j;
         self.boundary = Surface::of(&self.tets);
-        self.surface = ContactSurface::new(&self.boundary, &self.reference_m);
+        let sides = breaking.crack_sides(&self.boundary);
+        self.surface = ContactSurface::new(&self.boundary, &self.reference_m).with_cracks(sides);
         self.follow_supports(changes);
         self.follow_loads(changes);
         self.force_n.resize(self.reference_m.len(), DVec3::ZERO);

@@ -4,7 +4,8 @@
 //! boxes are fattened.
 
 use super::body::{Body, Regime};
-use crate::contact::candidates::{Candidates, SurfaceBoxes, are_near_in_reference, between, within};
+use crate::contact::candidates::{Candidates, SurfaceBoxes, between, within};
+use crate::contact::{CloseList, OwnFeatures};
 use crate::math::{DisjointSets, best_fit_rotation};
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
@@ -25,6 +26,8 @@ pub(super) struct NearPair {
     /// The bodies, the smaller number first; twice the same for self-collision.
     pub bodies: [usize; 2],
     pub candidates: Candidates,
+    /// Those of the candidates that the next steps may need.
+    pub close: CloseList,
     stamps: [u64; 2],
 }
 
@@ -196,8 +199,14 @@ impl BroadPhase {
             if let Some(pair) = kept.filter(|p| p.stamps == stamps) {
                 return Some(pair);
             }
-            let candidates = within_body(&bodies[first], &own.boxes);
-            return Some(NearPair { bodies: key, candidates, stamps });
+            let body = &bodies[first];
+            let features = OwnFeatures {
+                surface: &body.surface,
+                reference_m: &body.reference_m,
+                positions_m: &body.position_m,
+            };
+            let candidates = within(&features, &own.boxes);
+            return Some(NearPair { bodies: key, candidates, close: CloseList::default(), stamps });
         }
         if !self.may_meet(bodies, key) {
             return None;
@@ -213,7 +222,12 @@ impl BroadPhase {
         }
         let candidates =
             between((&bodies[first].surface, boxes_a), (&bodies[second].surface, boxes_b), false);
-        (!candidates.is_empty()).then_some(NearPair { bodies: key, candidates, stamps })
+        (!candidates.is_empty()).then_some(NearPair {
+            bodies: key,
+            candidates,
+            close: CloseList::default(),
+            stamps,
+        })
     }
 
     /// Shortest time in which a body could outrun its boxes at its present speed, s.
@@ -228,22 +242,6 @@ impl BroadPhase {
             })
             .fold(f64::INFINITY, f64::min)
     }
-}
-
-/// Candidates of a body with itself. Where it has cracked, distance in the reference shape says nothing: opposite faces
-/// of a crack lie on each other there. Nodes of one element are neighbours then; edges that end at the same place
-/// touch at their ends, where nodes and patches hold them apart.
-fn within_body(body: &Body, boxes: &SurfaceBoxes) -> Candidates {
-    let surface = &body.surface;
-    let Some(breaking) = body.breaking.as_ref().filter(|b| b.has_cracked()) else {
-        let near = |n: u32, m: u32| are_near_in_reference(surface, &body.reference_m, [n, m]);
-        return within((surface, boxes), [&near, &near]);
-    };
-    let is_joined = |n: u32, m: u32| breaking.are_joined(n, m);
-    let is_at_end = |n: u32, m: u32| {
-        body.reference_m[n as usize] == body.reference_m[m as usize] || breaking.are_joined(n, m)
-    };
-    within((surface, boxes), [&is_joined, &is_at_end])
 }
 
 impl Entry {

@@ -43,8 +43,7 @@ pub(super) struct ContactScene<'a> {
 
 impl ContactScene<'_> {
     fn view(&self, body: usize) -> BodyView<'_> {
-        let body = &self.bodies[body];
-        BodyView { surface: &body.surface, positions_m: &body.position_m, velocities_m_s: &body.velocity_m_s }
+        view(&self.bodies[body])
     }
 
     fn friction(&self, bodies: [usize; 2]) -> f64 {
@@ -57,7 +56,6 @@ impl ContactScene<'_> {
         PairView {
             bodies: pair.bodies.map(|b| b as u32),
             views: pair.bodies.map(|b| self.view(b)),
-            candidates: &pair.candidates,
             friction_coefficient: self.friction(pair.bodies),
             step_s: self.step_s,
             list: self.list,
@@ -70,11 +68,14 @@ impl ContactScene<'_> {
 
     /// What is near in the step; the response may change the ways of the points relative to each other by `slack_m`.
     fn near(&self, pair: &NearPair, slack_m: f64) -> Near {
-        if pair.candidates.is_empty() {
+        // What the response threw far may meet what was not close.
+        let is_usual = slack_m <= look_slack_m(self.bodies, pair.bodies);
+        let candidates = if is_usual { pair.close.candidates() } else { &pair.candidates };
+        if candidates.is_empty() {
             return Near::default();
         }
-        let way_m = self.step_s * pair.bodies.map(|b| fastest_m_s(&self.bodies[b])).iter().sum::<f64>();
-        Near::of(&self.pair_view(pair), way_m, slack_m)
+        let way_m = way_m(self.bodies, pair.bodies, self.step_s);
+        Near::of(&self.pair_view(pair), candidates, [way_m, slack_m])
     }
 
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
@@ -136,7 +137,7 @@ impl ContactScene<'_> {
             let is_node = matches!(c.feature, Feature::NodeOnPatch { .. });
             !is_node || self.is_primary(c) || !c.nodes[1..].iter().all(corner_touches)
         });
-        found
+        without_twins(found)
     }
 
     /// Closing speed below which nothing bounces, m/s.
@@ -154,6 +155,39 @@ impl ContactScene<'_> {
     }
 }
 
+fn view(body: &Body) -> BodyView<'_> {
+    BodyView {
+        surface: &body.surface,
+        reference_m: &body.reference_m,
+        positions_m: &body.position_m,
+        velocities_m_s: &body.velocity_m_s,
+    }
+}
+
+/// Way by which points of two bodies may come nearer to each other in a step, m.
+fn way_m(bodies: &[Body], pair: [usize; 2], step_s: f64) -> f64 {
+    step_s * pair.map(|b| fastest_m_s(&bodies[b])).iter().sum::<f64>()
+}
+
+/// Way by which the response may change that before there is a second look, m.
+fn look_slack_m(bodies: &[Body], pair: [usize; 2]) -> f64 {
+    LOOK_SLACK * finer_size_m(bodies, pair)
+}
+
+fn finer_size_m(bodies: &[Body], pair: [usize; 2]) -> f64 {
+    let [a, b] = pair.map(|b| bodies[b].mean_size_m);
+    a.min(b)
+}
+
+/// Brings the lists of what is close up to date for a step.
+pub(super) fn renew_close<'a>(bodies: &[Body], pairs: impl Iterator<Item = &'a mut NearPair>, step_s: f64) {
+    for pair in pairs {
+        let views = pair.bodies.map(|b| view(&bodies[b]));
+        let ways_m = [way_m(bodies, pair.bodies, step_s), look_slack_m(bodies, pair.bodies)];
+        pair.close.renew(&views, &pair.candidates, ways_m, finer_size_m(bodies, pair.bodies));
+    }
+}
+
 /// Whether `a`'s nodes go first. Between equals the place decides, not the number.
 fn is_finer(a: &Body, b: &Body) -> bool {
     if !a.is_deformable() || !b.is_deformable() {
@@ -166,6 +200,37 @@ fn is_finer(a: &Body, b: &Body) -> bool {
     let key = |x: &Body| x.reference.centre_m.to_array();
     let (ka, kb) = (key(a), key(b));
     (0..3).rev().map(|i| ka[i].total_cmp(&kb[i])).find(|o| o.is_ne()).is_some_and(|o| o.is_gt())
+}
+
+/// Weight of a corner above which a node that touches a patch of its own body touches that corner.
+const AT_CORNER: f64 = 0.999;
+/// Cosine of the angle up to which two normals are one.
+const ONE_NORMAL: f64 = 0.9999;
+
+/// Leaves out what the two sides of a crack say twice where they still fit: the twins of a node touch each other's patches
+/// at their corners.
+fn without_twins(found: Vec<Constraint>) -> Vec<Constraint> {
+    let mut seen: Vec<(u32, [u32; 2], DVec3)> = Vec::new();
+    let mut is_first = |c: &Constraint| {
+        let Some((nodes, normal)) = node_on_corner(c) else { return true };
+        let key = (c.bodies[0], nodes);
+        let from = seen.partition_point(|s| (s.0, s.1) < key);
+        let mut same = seen[from..].iter().take_while(|s| (s.0, s.1) == key);
+        if same.any(|s| s.2.dot(normal) > ONE_NORMAL) {
+            return false;
+        }
+        seen.insert(from, (key.0, key.1, normal));
+        true
+    };
+    found.into_iter().filter(|c| is_first(c)).collect()
+}
+
+/// The two nodes of one body that touch each other, ascending, and the normal towards the first of them.
+fn node_on_corner(c: &Constraint) -> Option<([u32; 2], DVec3)> {
+    let is_own = c.bodies[0] == c.bodies[1] && matches!(c.feature, Feature::NodeOnPatch { .. });
+    let corner = c.weights[1..].iter().position(|w| -w > AT_CORNER).filter(|_| is_own)?;
+    let (node, corner) = (c.nodes[0].1, c.nodes[1 + corner].1);
+    Some(if node < corner { ([node, corner], c.normal) } else { ([corner, node], -c.normal) })
 }
 
 /// Finds and solves the contacts of an island for the predicted velocities, and writes the corrected
@@ -262,8 +327,7 @@ struct Look {
 impl Look {
     fn first(scene: &ContactScene) -> Self {
         let near = scene.pairs.iter().map(|pair| {
-            let sizes = pair.bodies.map(|b| scene.bodies[b].mean_size_m);
-            let slack_m = LOOK_SLACK * sizes[0].min(sizes[1]);
+            let slack_m = look_slack_m(scene.bodies, pair.bodies);
             (scene.near(pair, slack_m), slack_m)
         });
         Self { near: near.collect() }

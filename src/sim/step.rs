@@ -2,7 +2,7 @@
 
 use super::body::Regime;
 use super::broad::islands;
-use super::collide::{ContactOutcome, ContactScene, penetration, respond};
+use super::collide::{ContactOutcome, ContactScene, penetration, renew_close, respond};
 use super::elastic::StepContext;
 use super::rest::{RestView, fall_asleep, is_near_mover, record, try_free_travel};
 use super::touch::{Touch, first_touch, prescribed_positions};
@@ -193,7 +193,7 @@ impl World {
             let grown = body.let_cracks_grow(&context).map_err(|e| e.in_step(self.steps + 1))?;
             let Some(changes) = grown else { continue };
             self.broad.forget(index);
-            self.list.forget_edges_of(index as u32);
+            self.list.forget_numbers_of(index as u32);
             self.frame_parts[index].renew_surface(&self.bodies[index]);
             self.rest[index].disturb(self.time_s);
             self.fragments += changes.new_fragments.len();
@@ -343,6 +343,8 @@ impl World {
 
     fn collide(&mut self, group: &[usize], context: &StepContext, list: &CollisionList) -> ContactOutcome {
         let in_group = |b: &usize| group.binary_search(b).is_ok();
+        let near = self.broad.pairs.iter_mut().filter(|p| p.bodies.iter().any(in_group));
+        renew_close(&self.bodies, near, context.step_s);
         let mut scene = ContactScene {
             bodies: &mut self.bodies,
             pairs: self.broad.pairs.iter().filter(|p| p.bodies.iter().any(in_group)).collect(),
