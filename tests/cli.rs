@@ -282,8 +282,10 @@ fn run_writes_files_that_read_back() {
 
     let history = place.read("data/history.csv");
     assert_eq!(times_s(&history).len(), 7, "{history}");
+    // A row comes with the first step that reaches its moment; elastic steps end where they end.
     for (index, time_s) in times_s(&history).iter().enumerate() {
-        assert!((time_s - 0.02 * index as f64).abs() < 1e-12, "{time_s}");
+        let late_s = time_s - 0.02 * index as f64;
+        assert!((-1e-12..1e-3).contains(&late_s), "{time_s}");
     }
 
     let summary = place.json("data/summary.json");
@@ -295,7 +297,8 @@ fn run_writes_files_that_read_back() {
     assert_eq!(summary["counts"]["vtu_frames"], 7);
     assert!(summary["counts"]["steps"].as_u64().unwrap() > 0);
     assert!(summary["wall_time"]["total_s"].as_f64().unwrap() > 0.0);
-    assert_eq!(summary["last"]["time_s"], 0.12);
+    let end_s = summary["last"]["time_s"].as_f64().unwrap();
+    assert!((0.12..0.121).contains(&end_s), "{end_s}");
     // The ground, and two cubes of five or six tetrahedra.
     let bodies = summary["scene"]["bodies"].as_array().unwrap();
     assert!(bodies.iter().any(|body| body["name"] == "upper"));

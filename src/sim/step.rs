@@ -6,6 +6,7 @@ use super::collide::{ContactOutcome, ContactScene, penetration, renew_close, res
 use super::elastic::StepContext;
 use super::rest::{RestView, fall_asleep, is_near_mover, record, try_free_travel};
 use super::touch::{Touch, first_touch, prescribed_positions};
+use super::world::FreeInterval;
 use super::{BodyMotion, SimError, Stage, StepReport, World};
 use crate::contact::CollisionList;
 use glam::DVec3;
@@ -14,13 +15,6 @@ use std::time::Instant;
 /// Time, in crossings of the slowest body by a wave, in which the energy of an impact leaks away that no rebound
 /// has fetched: a body that landed softly must not jump when it is pushed much later. A rebound comes after a few.
 const IMPACT_CROSSINGS: f64 = 100.0;
-
-/// End of a step that divides the time to the limit into equal steps of at most `step_s`: a short step
-/// here and there would excite the highest modes. Ends on the limit exactly.
-fn even_end(start_s: f64, limit_s: f64, step_s: f64) -> f64 {
-    let count = ((limit_s - start_s) / step_s * (1.0 - 1e-9)).ceil();
-    if count <= 1.0 { limit_s } else { start_s + (limit_s - start_s) / count }
-}
 
 /// Number and length of the equal elastic steps, of at most `step_s`, in a time.
 fn substeps(duration_s: f64, step_s: f64) -> (u32, f64) {
@@ -38,19 +32,23 @@ struct Collected {
 }
 
 impl World {
-    /// Advances by one step, not beyond `limit_s` (absolute time).
+    /// Advances by one step. Nothing happens once `limit_s` (absolute time) is reached.
     ///
     /// With an elastic body, a step is the elastic step of the slowest contact island (faster ones take
-    /// several inside it); without, it is free travel up to the next touch.
+    /// several inside it). It ends where it ends, at most by itself beyond the limit: what happens does not depend on
+    /// when somebody looks. Without, it is free travel up to the next touch or exactly the limit.
     ///
     /// # Errors
     /// [`SimError::NotFinite`] when the run blows up.
     pub fn step(&mut self, limit_s: f64) -> Result<StepReport, SimError> {
+        if self.time_s >= limit_s {
+            return Ok(StepReport { time_s: self.time_s, ..StepReport::default() });
+        }
         let started = Instant::now();
         let before = self.phases.counted_s();
         let was_colliding = !self.list.is_empty();
         let is_elastic = self.bodies.iter().any(|b| b.regime == Regime::Elastic);
-        let mut report = if is_elastic { self.elastic_step(limit_s)? } else { self.free_step(limit_s) };
+        let mut report = if is_elastic { self.elastic_step()? } else { self.free_step(limit_s) };
         self.steps += 1;
         if was_colliding && self.list.is_empty() && is_elastic {
             report.stage = Stage::End;
@@ -69,31 +67,57 @@ impl World {
     fn free_step(&mut self, limit_s: f64) -> StepReport {
         let start_s = self.time_s;
         let is_moving = |b: &super::body::Body| matches!(b.regime, Regime::Free(_) | Regime::Kinematic);
-        let travels = self.bodies.iter().any(is_moving);
-        let interval_s = if travels { self.setup.time.free_interval_s } else { f64::INFINITY };
-        let horizon_s = limit_s.min(start_s + interval_s);
-        let touch = first_touch(&self.bodies, start_s, horizon_s, self.setup.gravity_m_s2);
-        let end_s = touch.map_or(horizon_s, |t| t.time_s.max(start_s));
-        self.move_rigid_bodies(end_s);
-        self.time_s = end_s;
-        let mut stage = if travels { Stage::Free } else { Stage::Resting };
-        if let Some(touch) = touch {
+        if !self.bodies.iter().any(is_moving) {
+            self.time_s = limit_s;
+            return StepReport { step_s: limit_s - start_s, stage: Stage::Resting, ..StepReport::default() };
+        }
+        let interval = self.free_interval.take().unwrap_or_else(|| self.begin_free_interval());
+        let end_s = interval.touch.map_or(interval.end_s, |t| t.time_s.max(start_s));
+        let stop_s = end_s.min(limit_s);
+        let gravity = self.setup.gravity_m_s2;
+        for (body, motion) in self.bodies.iter_mut().zip(&interval.motions) {
+            if let Some(motion) = motion {
+                body.regime = Regime::Free(motion.after(stop_s - interval.start_s, gravity));
+            }
+        }
+        self.move_kinematic_bodies(stop_s);
+        self.time_s = stop_s;
+        let mut stage = Stage::Free;
+        if stop_s < end_s {
+            self.free_interval = Some(interval);
+        } else if let Some(touch) = interval.touch {
             self.begin_collision(touch);
             stage = Stage::Beginning;
         }
-        StepReport { step_s: end_s - start_s, stage, ..StepReport::default() }
+        StepReport { step_s: stop_s - start_s, stage, ..StepReport::default() }
+    }
+
+    fn begin_free_interval(&self) -> FreeInterval {
+        let (start_s, end_s) = (self.time_s, self.time_s + self.setup.time.free_interval_s);
+        let motion = |b: &super::body::Body| if let Regime::Free(m) = b.regime { Some(m) } else { None };
+        FreeInterval {
+            start_s,
+            end_s,
+            touch: first_touch(&self.bodies, start_s, end_s, self.setup.gravity_m_s2),
+            motions: self.bodies.iter().map(motion).collect(),
+        }
     }
 
     /// Moves bodies in free and prescribed motion from the world's time to `end_s`.
     fn move_rigid_bodies(&mut self, end_s: f64) {
         let (start_s, gravity) = (self.time_s, self.setup.gravity_m_s2);
         for body in &mut self.bodies {
-            match (&mut body.regime, &body.motion) {
-                (Regime::Free(motion), _) => *motion = motion.after(end_s - start_s, gravity),
-                (Regime::Kinematic, BodyMotion::Kinematic(motion)) => {
-                    body.position_m = prescribed_positions(body, motion, end_s);
-                }
-                _ => {}
+            if let Regime::Free(motion) = &mut body.regime {
+                *motion = motion.after(end_s - start_s, gravity);
+            }
+        }
+        self.move_kinematic_bodies(end_s);
+    }
+
+    fn move_kinematic_bodies(&mut self, end_s: f64) {
+        for body in &mut self.bodies {
+            if let (Regime::Kinematic, BodyMotion::Kinematic(motion)) = (body.regime, &body.motion) {
+                body.position_m = prescribed_positions(body, motion, end_s);
             }
         }
     }
@@ -116,6 +140,7 @@ impl World {
 
     /// Makes a free or sleeping body elastic.
     pub(super) fn wake(&mut self, index: usize) {
+        self.free_interval = None;
         let body = &mut self.bodies[index];
         match body.regime {
             Regime::Free(motion) => {
@@ -134,8 +159,9 @@ impl World {
     }
 
     /// One step of every island with an elastic body.
-    fn elastic_step(&mut self, limit_s: f64) -> Result<StepReport, SimError> {
+    fn elastic_step(&mut self) -> Result<StepReport, SimError> {
         let start_s = self.time_s;
+        self.free_interval = None;
         let clock = Instant::now();
         let guess_s = self.smallest_step_s();
         self.wake_neighbours(guess_s);
@@ -144,8 +170,7 @@ impl World {
         let longest_s = steps_s.iter().copied().fold(0.0, f64::max);
         let shortest_s = steps_s.iter().copied().fold(f64::INFINITY, f64::min);
         let valid_s = self.broad.valid_for_s(&self.bodies).max(shortest_s);
-        let mut end_s =
-            even_end(start_s, limit_s, longest_s.min(valid_s).min(self.setup.time.free_interval_s));
+        let mut end_s = start_s + longest_s.min(valid_s).min(self.setup.time.free_interval_s);
         let touch = self.free_touch(end_s);
         if let Some(touch) = touch {
             end_s = touch.time_s.max(start_s);

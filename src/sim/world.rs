@@ -7,6 +7,7 @@ use super::contact_log::{ContactEpisode, ContactLog};
 use super::elastic::StepContext;
 use super::publish::{FrameParts, element_stress};
 use super::rest::RestTracker;
+use super::rigid::RigidMotion;
 use super::touch::Touch;
 use super::{BodySetup, ContactMethod, ContactParameters, PhaseTimes, Sample, StepReport, WorldSetup};
 use crate::contact::CollisionList;
@@ -80,6 +81,16 @@ pub(super) struct FreePlan {
     pub touch: Option<Touch>,
 }
 
+/// An interval in which nothing deforms, and the motions at its start. Whoever looks at the world on the way gets
+/// them moved on from there, so that looking changes nothing.
+pub(super) struct FreeInterval {
+    pub start_s: f64,
+    pub end_s: f64,
+    pub touch: Option<Touch>,
+    /// By body; `None` for what does not travel freely.
+    pub motions: Vec<Option<RigidMotion>>,
+}
+
 impl Regime {
     /// A number per regime, to notice changes.
     pub(super) fn number(&self) -> u8 {
@@ -102,6 +113,7 @@ pub struct World {
     pub(super) broad: BroadPhase,
     pub(super) list: CollisionList,
     pub(super) plan: FreePlan,
+    pub(super) free_interval: Option<FreeInterval>,
     pub(super) time_s: f64,
     pub(super) steps: u64,
     pub(super) last: StepReport,
@@ -146,6 +158,7 @@ impl World {
             bodies,
             list: CollisionList::default(),
             plan: FreePlan::default(),
+            free_interval: None,
             time_s: 0.0,
             steps: 0,
             last: StepReport::default(),
@@ -300,6 +313,7 @@ impl World {
         self.broad.add_body();
         // The first touch was looked up without the newcomer.
         self.plan = FreePlan::default();
+        self.free_interval = None;
         self.bodies.push(body);
         self.setup.bodies.push(setup);
         Ok(self.bodies.len() - 1)
