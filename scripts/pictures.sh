@@ -1,5 +1,4 @@
 #!/usr/bin/env bash
-# Renders the README's animations and pictures of cracks anew, with the program as it is. A change of what they show is a change to look at.
 # Makes the README's pictures anew, with the program as it is. A change of what they show is a change to look at.
 set -euo pipefail
 # shellcheck source=scripts/lib.sh
@@ -13,6 +12,10 @@ cargo build --locked
 for scene in hammer-ground hammer-table hammer-lamp rods-collision; do
     say "rendering $scene-fine"
     cargo run --locked --quiet -- render "$scene-fine" -o "assets/pictures/$scene.gif" --size 480x270 --fps 14
+done
+for scene in brick-pile mug-drop; do
+    say "rendering $scene"
+    cargo run --locked --quiet -- render "$scene" -o "assets/pictures/$scene.gif" --size 480x270 --fps 10
 done
 for criterion in tensile mohr-coulomb tresca; do
     say "rendering plate-$criterion-fine"
