@@ -6,7 +6,7 @@ set -euo pipefail
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-scene="${1:-hammer-table-fine}"
+scene="${1:-brick-pile}"
 shift || true
 output="out/$(basename "$scene" .toml).gif"
 
