@@ -23,6 +23,8 @@ pub struct CloseList {
     candidates: Candidates,
     /// Way that points may make relative to each other until the next renewal, m.
     spare_m: f64,
+    /// The same for the present step, m.
+    way_m: f64,
 }
 
 impl CloseList {
@@ -32,10 +34,17 @@ impl CloseList {
         &self.candidates
     }
 
+    /// Way by which points may come nearer to each other in the step that the list was last made ready for, m.
+    #[must_use]
+    pub fn way_m(&self) -> f64 {
+        self.way_m
+    }
+
     /// Gets ready for a step in which points come nearer to each other by `way_m` at most, plus a slack by the
     /// response. `all` are the candidates of the search, `mean_size_m` the mean local size of the finer surface.
     pub fn renew(&mut self, views: &[BodyView; 2], all: &Candidates, ways_m: [f64; 2], mean_size_m: f64) {
         let [way_m, slack_m] = ways_m;
+        self.way_m = way_m;
         self.spare_m -= SPEED_UP * way_m;
         if self.spare_m >= 0.0 {
             return;

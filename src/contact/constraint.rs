@@ -129,6 +129,12 @@ impl Geometry {
 }
 
 impl Constraint {
+    /// Whether both features belong to one body.
+    #[must_use]
+    pub fn is_own(&self) -> bool {
+        self.bodies[0] == self.bodies[1]
+    }
+
     /// Whether an impulse pushes and lies in the friction cone.
     #[must_use]
     pub fn allows(&self, impulse_n_s: DVec3) -> bool {

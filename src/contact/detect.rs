@@ -361,7 +361,7 @@ impl<'a> NodeSide<'a> {
         let border = if were_one { SKIRT } else { BORDER };
         let touches = !is_too_deep
             && path.touches(&near.geometry, near.size_m, (is_held || is_own, border))
-            && !(is_own && !were_one && self.is_beside(near.feature));
+            && !(is_own && self.is_beside(near.feature));
         touches.then(|| near.constraint(self.bodies, &self.views, self.pair))
     }
 

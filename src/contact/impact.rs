@@ -180,19 +180,15 @@ pub(super) fn rebound_speeds_m_s(constraints: &[Constraint]) -> Vec<f64> {
         return vec![0.0; constraints.len()];
     }
     // Within a body nothing is stored, and nothing rebounds.
-    let between: Vec<usize> = (0..constraints.len()).filter(|i| is_between(&constraints[*i])).collect();
+    let between: Vec<usize> = (0..constraints.len()).filter(|i| !constraints[*i].is_own()).collect();
     let places = places(constraints, between);
     let mut speeds_m_s = vec![0.0_f64; constraints.len()];
     let mut presses = vec![false; constraints.len()];
-    for (c, place) in constraints.iter().zip(&places).filter(|(c, _)| is_between(c)) {
+    for (c, place) in constraints.iter().zip(&places).filter(|(c, _)| !c.is_own()) {
         speeds_m_s[*place] = speeds_m_s[*place].max(c.stored.speed_m_s);
         presses[*place] |= c.impulse_n_s != DVec3::ZERO;
     }
     places.iter().map(|place| if presses[*place] { 0.0 } else { speeds_m_s[*place] }).collect()
-}
-
-fn is_between(c: &Constraint) -> bool {
-    c.bodies[0] != c.bodies[1]
 }
 
 /// The number of the place of each pair, which is the number of one of its pairs; those that are not listed are alone.

@@ -42,8 +42,11 @@ impl OwnFeatures<'_> {
     pub fn is_beside(&self, node: u32, triangle: u32) -> bool {
         let s = self.surface;
         let size_m = s.triangle_size_m[triangle as usize].min(s.node_size_m[node as usize]);
+        if s.were_one(node, triangle) {
+            return false;
+        }
         let way_m = self.way_from_patch_m(node, s.triangles[triangle as usize], size_m);
-        way_m.is_some_and(|way_m| way_m <= STILL_THERE * size_m) && !s.were_one(node, triangle)
+        way_m.is_some_and(|way_m| way_m <= STILL_THERE * size_m)
     }
 
     /// Whether two edges without common ends may touch at some time.

@@ -193,7 +193,7 @@ impl PairRow {
         let block = table.block(index, &constraint.weights);
         let n = constraint.normal;
         let normal_block_per_kg = n.dot(block * n);
-        let is_own = constraint.bodies[0] == constraint.bodies[1];
+        let is_own = constraint.is_own();
         (normal_block_per_kg > LEAST_BLOCK * block.max_element()).then(|| Self {
             index,
             normal_block_per_kg,

@@ -189,7 +189,7 @@ fn store_impacts(
 pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &ResponseParameters) {
     for (row, c) in constraints.iter_mut().enumerate() {
         let closing_m_s = -table.relative_start_velocity(row, &c.weights).dot(c.normal);
-        let is_own = c.bodies[0] == c.bodies[1];
+        let is_own = c.is_own();
         let slack_m = if is_own { OWN_SLACK * c.size_m } else { 0.0 };
         let mut touch_m_s = -c.gap_m / p.step_s;
         if touch_m_s > 0.0 && is_own {

@@ -74,7 +74,7 @@ impl ContactScene<'_> {
         if candidates.is_empty() {
             return Near::default();
         }
-        let way_m = way_m(self.bodies, pair.bodies, self.step_s);
+        let way_m = if is_usual { pair.close.way_m() } else { way_m(self.bodies, pair.bodies, self.step_s) };
         Near::of(&self.pair_view(pair), candidates, [way_m, slack_m])
     }
 
@@ -112,14 +112,14 @@ impl ContactScene<'_> {
         let moves = |inverse_mass: DVec3| {
             (inverse_mass * c.normal).dot(c.normal) > FREE_WEIGHT * inverse_mass.max_element()
         };
-        c.bodies[0] != c.bodies[1] || share(&moves) > FREE_WEIGHT * share(&|_| true)
+        !c.is_own() || share(&moves) > FREE_WEIGHT * share(&|_| true)
     }
 
     /// Whether the constraint is a node of the finer body on the coarser one's patch.
     fn is_primary(&self, c: &Constraint) -> bool {
         let [own, other] = c.bodies.map(|b| &self.bodies[b as usize]);
         let is_node = matches!(c.feature, Feature::NodeOnPatch { .. });
-        is_node && (c.bodies[0] == c.bodies[1] || is_finer(own, other))
+        is_node && (c.is_own() || is_finer(own, other))
     }
 
     /// Leaves out what both sides would say twice, so that the passes converge fast: a coarser body's node
@@ -227,7 +227,7 @@ fn without_twins(found: Vec<Constraint>) -> Vec<Constraint> {
 
 /// The two nodes of one body that touch each other, ascending, and the normal towards the first of them.
 fn node_on_corner(c: &Constraint) -> Option<([u32; 2], DVec3)> {
-    let is_own = c.bodies[0] == c.bodies[1] && matches!(c.feature, Feature::NodeOnPatch { .. });
+    let is_own = c.is_own() && matches!(c.feature, Feature::NodeOnPatch { .. });
     let corner = c.weights[1..].iter().position(|w| -w > AT_CORNER).filter(|_| is_own)?;
     let (node, corner) = (c.nodes[0].1, c.nodes[1 + corner].1);
     Some(if node < corner { ([node, corner], c.normal) } else { ([corner, node], -c.normal) })
