@@ -87,7 +87,7 @@ impl Knife {
     fn cut(&mut self, failures: &[Failure], settings: &Propagation) {
         let nodes =
             NodeState { positions_m: &mut self.positions_m, velocities_m_s: &mut self.velocities_m_s };
-        let changes = self.solid.propagate(nodes, failures, settings, |_| true);
+        let changes = self.solid.propagate(nodes, failures, settings, |_, _| true);
         assert!(!black_box(changes).is_empty(), "what fails is cut");
     }
 }

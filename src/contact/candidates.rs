@@ -7,6 +7,7 @@
 
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
+use super::twins::TwinState;
 use glam::DVec3;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
@@ -87,13 +88,81 @@ pub struct Candidates {
     pub node_on_first: Vec<(u32, u32)>,
     /// Edges of the first and of the second body.
     pub edge_pairs: Vec<(u32, u32)>,
+    /// Of a body with itself: the twins that speak for an entry of `node_on_second` while they are together, or
+    /// [`NO_TWINS`].
+    pub(super) node_twins: Vec<u32>,
+    /// Whether a crack parted the node and the triangle of an entry of `node_on_second`.
+    pub(super) were_one: Vec<bool>,
+    /// The same for `edge_pairs`, at up to two ends.
+    pub(super) edge_twins: Vec<[u32; 2]>,
 }
+
+fn state_of(twins: u32, states: &[TwinState]) -> TwinState {
+    states.get(twins as usize).copied().unwrap_or(TwinState::Apart)
+}
+
+/// Stands for no pair of twins.
+pub(super) const NO_TWINS: u32 = u32::MAX;
 
 impl Candidates {
     /// Whether nothing can meet.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.node_on_second.is_empty() && self.node_on_first.is_empty() && self.edge_pairs.is_empty()
+    }
+
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        self.node_on_second.clear();
+        self.node_on_first.clear();
+        self.edge_pairs.clear();
+    }
+
+    /// Whether twins leave it to an entry of `node_on_second` itself to tell contact.
+    pub(super) fn is_left_by_twins(&self, entry: usize, states: &[TwinState]) -> bool {
+        match self.node_twins.get(entry).map_or(TwinState::Apart, |twins| state_of(*twins, states)) {
+            TwinState::Together => false,
+            TwinState::Open => !self.were_one[entry],
+            TwinState::Apart => true,
+        }
+    }
+
+    /// The entries of a body with itself that twins leave; `None` where there are no twins.
+    pub(super) fn left_by_twins(&self, states: &[TwinState]) -> Option<Self> {
+        if states.is_empty() {
+            return None;
+        }
+        let nodes = (0..self.node_on_second.len()).filter(|i| self.is_left_by_twins(*i, states));
+        let edges = (0..self.edge_pairs.len()).filter(|i| self.edges_are_left_by_twins(*i, states));
+        Some(Self {
+            node_on_second: nodes.map(|i| self.node_on_second[i]).collect(),
+            edge_pairs: edges.map(|i| self.edge_pairs[i]).collect(),
+            ..Self::default()
+        })
+    }
+
+    /// The same for an entry of `edge_pairs`.
+    pub(super) fn edges_are_left_by_twins(&self, entry: usize, states: &[TwinState]) -> bool {
+        let mut ends = self.edge_twins.get(entry).into_iter().flatten();
+        ends.all(|twins| state_of(*twins, states) != TwinState::Together)
+    }
+
+    /// The same, with the twins of each entry; of a body with itself.
+    #[must_use]
+    pub(super) fn with_twins(mut self, surface: &ContactSurface) -> Self {
+        let twin =
+            |node: u32, others: &[u32]| others.iter().find_map(|other| surface.twins.pair(node, *other));
+        let at_node = |(node, triangle): &(u32, u32)| {
+            twin(*node, &surface.triangles[*triangle as usize]).unwrap_or(NO_TWINS)
+        };
+        let at_ends = |(first, second): &(u32, u32)| {
+            let [p, q] = [first, second].map(|edge| surface.edges[*edge as usize].nodes);
+            p.map(|node| twin(node, &q).unwrap_or(NO_TWINS))
+        };
+        self.node_twins = self.node_on_second.iter().map(at_node).collect();
+        self.were_one = self.node_on_second.iter().map(|(n, t)| surface.were_one(*n, *t)).collect();
+        self.edge_twins = self.edge_pairs.iter().map(at_ends).collect();
+        self
     }
 }
 
@@ -141,7 +210,7 @@ pub fn within(own: &OwnFeatures, boxes: &SurfaceBoxes) -> Candidates {
         let [p, q] = [e1, e2].map(|e| surface.edges[*e as usize].nodes);
         p.iter().all(|n| !q.contains(n)) && own.edges_may_touch(*e1, *e2)
     });
-    found
+    found.with_twins(surface)
 }
 
 /// Whether two triangles share a node and no crack runs there.

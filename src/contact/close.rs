@@ -1,18 +1,17 @@
-//! The candidates that are close at present: a second, shorter list.
+//! The candidates that are close at present: a short list for every step.
 //!
-//! The boxes of the search are wide, so that they last; most of what they find is far from touching. What is out of
-//! reach for the next steps is left out here until the bodies have moved by as much as was allowed for.
+//! The boxes of the search are wide, so that they last; most of what they find is far from touching. Each candidate that is
+//! looked at and found out of reach sleeps until the bodies may have moved by as much as it lacks.
 
 use super::candidates::Candidates;
-use super::detect::{BodyView, PairDepths};
+use super::detect::{NEAR, PairDepths, PairView};
 use super::geometry::{barycentric, closest_on_lines};
+use super::twins::TwinState;
 use glam::DVec3;
 
-/// Reach of the list over the mean local size, beyond what the present step needs.
-const REACH: f64 = 0.05;
 /// Ways count by this factor: contact may speed them up within the steps to come.
 const SPEED_UP: f64 = 2.0;
-/// Shift of a foot in its plane, over the way of the points, up to which pairs stay: a patch may turn.
+/// Shift of a foot in its plane, over the way of the points: a patch may turn.
 const SHIFT: f64 = 2.0;
 /// Squared sine of the angle between edges below which their closest points move too fast to say anything.
 const NEARLY_PARALLEL: f64 = 0.04;
@@ -21,17 +20,40 @@ const NEARLY_PARALLEL: f64 = 0.04;
 #[derive(Clone, Debug, Default)]
 pub struct CloseList {
     candidates: Candidates,
-    /// Way that points may make relative to each other until the next renewal, m.
-    spare_m: f64,
-    /// The same for the present step, m.
+    twin_states: Vec<TwinState>,
+    /// Way that points may have made relative to each other since the search, m.
+    travelled_m: f64,
+    /// By candidate: the travelled way at which it must be looked at again, m.
+    wake: Wake,
+    /// Way that points may make in the present step, m.
     way_m: f64,
 }
 
+#[derive(Clone, Debug, Default)]
+struct Wake {
+    node_on_second_m: Vec<f64>,
+    node_on_first_m: Vec<f64>,
+    edge_pairs_m: Vec<f64>,
+}
+
+impl Wake {
+    fn fit(&mut self, all: &Candidates) {
+        self.node_on_second_m.resize(all.node_on_second.len(), 0.0);
+        self.node_on_first_m.resize(all.node_on_first.len(), 0.0);
+        self.edge_pairs_m.resize(all.edge_pairs.len(), 0.0);
+    }
+}
+
 impl CloseList {
-    /// The close candidates.
+    /// The close candidates; of a body with itself only those that its twins leave.
     #[must_use]
     pub fn candidates(&self) -> &Candidates {
         &self.candidates
+    }
+
+    /// How the twins lie of a body that is near itself.
+    pub(super) fn twin_states(&self) -> &[TwinState] {
+        &self.twin_states
     }
 
     /// Way by which points may come nearer to each other in the step that the list was last made ready for, m.
@@ -41,62 +63,109 @@ impl CloseList {
     }
 
     /// Gets ready for a step in which points come nearer to each other by `way_m` at most, plus a slack by the
-    /// response. `all` are the candidates of the search, `mean_size_m` the mean local size of the finer surface.
-    pub fn renew(&mut self, views: &[BodyView; 2], all: &Candidates, ways_m: [f64; 2], mean_size_m: f64) {
-        let [way_m, slack_m] = ways_m;
+    /// response. `all` are the candidates of the search, always the same for one list.
+    pub fn renew(&mut self, pair: &PairView, all: &Candidates, [way_m, slack_m]: [f64; 2]) {
         self.way_m = way_m;
-        self.spare_m -= SPEED_UP * way_m;
-        if self.spare_m >= 0.0 {
-            return;
-        }
-        self.spare_m = (REACH * mean_size_m).max(SPEED_UP * way_m);
-        let reach_m = self.spare_m + SPEED_UP * way_m + slack_m;
-        let nodes = |views: [&BodyView; 2], of: &[(u32, u32)]| {
-            let mut close: Vec<(u32, u32)> =
-                of.iter().copied().filter(|c| is_node_close(views, *c, reach_m)).collect();
-            close.sort_unstable();
-            close
+        self.twin_states = pair.twin_states(slack_m);
+        self.wake.fit(all);
+        let look = Look {
+            pair,
+            before_m: self.travelled_m,
+            reach_m: SPEED_UP * way_m + slack_m,
+            close: &mut self.candidates,
         };
-        let [first, second] = views;
-        let edges = all.edge_pairs.iter().copied().filter(|c| are_edges_close(views, *c, reach_m));
-        self.candidates = Candidates {
-            node_on_second: nodes([first, second], &all.node_on_second),
-            node_on_first: nodes([second, first], &all.node_on_first),
-            edge_pairs: edges.collect(),
-        };
+        look.over(all, &self.twin_states, &mut self.wake);
+        self.travelled_m += SPEED_UP * way_m;
     }
 }
 
-fn is_node_close([own, other]: [&BodyView; 2], (node, triangle): (u32, u32), reach_m: f64) -> bool {
+/// A look at the candidates that are due.
+struct Look<'a> {
+    pair: &'a PairView<'a>,
+    /// Way travelled before the step, m.
+    before_m: f64,
+    /// Way up to which candidates are close, m.
+    reach_m: f64,
+    close: &'a mut Candidates,
+}
+
+impl Look<'_> {
+    fn over(self, all: &Candidates, states: &[TwinState], wake: &mut Wake) {
+        let Self { close, .. } = self;
+        close.clear();
+        let due = |wake_m: &mut f64, clearance_m: &dyn Fn() -> f64| {
+            if *wake_m > self.before_m + self.reach_m {
+                return false;
+            }
+            let clearance_m = clearance_m();
+            *wake_m = self.before_m + clearance_m;
+            clearance_m <= self.reach_m
+        };
+        for (i, wake_m) in wake.node_on_second_m.iter_mut().enumerate() {
+            let pair = all.node_on_second[i];
+            if all.is_left_by_twins(i, states) && due(wake_m, &|| node_clearance_m(self.pair, 0, pair)) {
+                close.node_on_second.push(pair);
+            }
+        }
+        for (wake_m, pair) in wake.node_on_first_m.iter_mut().zip(&all.node_on_first) {
+            if due(wake_m, &|| node_clearance_m(self.pair, 1, *pair)) {
+                close.node_on_first.push(*pair);
+            }
+        }
+        for (i, wake_m) in wake.edge_pairs_m.iter_mut().enumerate() {
+            let pair = all.edge_pairs[i];
+            if all.edges_are_left_by_twins(i, states) && due(wake_m, &|| edge_clearance_m(self.pair, pair)) {
+                close.edge_pairs.push(pair);
+            }
+        }
+        close.node_on_second.sort_unstable();
+        close.node_on_first.sort_unstable();
+    }
+}
+
+/// Way that a node must make relative to a patch before they can touch, m: of the first body, or of the second (`side` 1).
+fn node_clearance_m(pair: &PairView, side: usize, (node, triangle): (u32, u32)) -> f64 {
+    let (own, other) = (&pair.views[side], &pair.views[1 - side]);
     let x = own.positions_m[node as usize];
     let patch_m = other.surface.corners_m(triangle, other.positions_m);
     let size_m = other.surface.triangle_size_m[triangle as usize];
     let area_normal = (patch_m[1] - patch_m[0]).cross(patch_m[2] - patch_m[0]);
-    let height = (x - patch_m[0]).dot(area_normal);
-    let reach_down_m = reach_m + PairDepths::LARGEST * size_m;
-    let reach2 = if height > 0.0 { reach_m * reach_m } else { reach_down_m * reach_down_m };
-    if height * height > reach2 * area_normal.length_squared() {
-        return false;
-    }
-    let Some(weights) = barycentric(x, patch_m) else { return true };
+    let height_m = (x - patch_m[0]).dot(area_normal) / area_normal.length();
+    let out_of_plane_m = if height_m > 0.0 {
+        height_m - NEAR * size_m
+    } else {
+        let is_new = pair.is_own_and_cracked()
+            && -height_m > pair.depths.new * size_m
+            && !pair.list.holds_on((pair.bodies[side], node, pair.bodies[1 - side]), triangle);
+        let depth = if is_new { pair.depths.new } else { PairDepths::LARGEST.max(pair.depths.held) };
+        -height_m - depth * size_m
+    };
+    let Some(weights) = barycentric(x, patch_m) else { return 0.0 };
     let foot = weights.into_iter().fold(f64::INFINITY, f64::min);
-    -foot * size_m <= SHIFT * reach_m + PairDepths::LARGEST * size_m
+    let beside_m = (-foot - PairDepths::LARGEST) * size_m / SHIFT;
+    // Not a number for a triangle without area.
+    out_of_plane_m.max(beside_m).max(0.0)
 }
 
-fn are_edges_close(views: &[BodyView; 2], (first, second): (u32, u32), reach_m: f64) -> bool {
-    let ends = |view: &BodyView, edge: u32| {
+fn edge_clearance_m(pair: &PairView, (first, second): (u32, u32)) -> f64 {
+    let ends = |side: usize, edge: u32| {
+        let view = &pair.views[side];
         view.surface.edges[edge as usize].nodes.map(|n| view.positions_m[n as usize])
     };
-    let (p, q) = (ends(&views[0], first), ends(&views[1], second));
+    let (p, q) = (ends(0, first), ends(1, second));
     let (along_p, along_q) = (p[1] - p[0], q[1] - q[0]);
     let lengths2 = along_p.length_squared() * along_q.length_squared();
-    if along_p.cross(along_q).length_squared() < NEARLY_PARALLEL * lengths2 {
-        return true;
+    let sine2 = along_p.cross(along_q).length_squared() / lengths2;
+    if sine2 < NEARLY_PARALLEL {
+        return 0.0;
     }
-    let Some((s, t)) = closest_on_lines(p, q) else { return true };
+    let Some((s, t)) = closest_on_lines(p, q) else { return 0.0 };
     let shortest_m = along_p.length().min(along_q.length());
-    let (beyond, apart_m) = (SHIFT * reach_m / shortest_m, reach_m + PairDepths::LARGEST * shortest_m);
-    let is_inside = |share: f64| (-beyond..=1.0 + beyond).contains(&share);
+    let is_held = pair.list.holds_edges(pair.bodies, [first, second]);
+    let depth = if is_held { pair.depths.held } else { pair.depths.new_edges };
     let apart: DVec3 = p[0].lerp(p[1], s) - q[0].lerp(q[1], t);
-    is_inside(s) && is_inside(t) && apart.length_squared() <= apart_m * apart_m
+    let beyond = |share: f64| (-share).max(share - 1.0) + pair.edge_ends();
+    // Where two lines cross moves the faster the smaller their angle.
+    let beside_m = beyond(s).max(beyond(t)) * shortest_m * (sine2.sqrt() / SHIFT);
+    (apart.length() - depth * shortest_m).max(beside_m).max(0.0)
 }

@@ -5,6 +5,7 @@
 
 use super::atomic::{AtomicCase, Verdict};
 use super::candidates::Candidates;
+use super::close::CloseList;
 use super::collision_list::CollisionList;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
@@ -12,13 +13,14 @@ use super::impact::ImpactStore;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
+use super::twins::TwinState;
 use glam::DVec3;
 
 /// Gap, as a share of the local element size, within which a pair takes part in the response even
 /// when the prediction does not close it: neighbours' impulses may.
-const NEAR: f64 = 1e-3;
+pub(super) const NEAR: f64 = 1e-3;
 /// The same within a body, whose crack faces are all near each other.
-const OWN_NEAR: f64 = 1e-4;
+pub(super) const OWN_NEAR: f64 = 1e-4;
 /// Penetration, as a share of the local element size, that a *new* pair may begin with: what a pair that was
 /// left out as redundant may have gathered.
 const NEW_PAIR_DEPTH: f64 = 4e-4;
@@ -76,6 +78,25 @@ pub struct PairView<'a> {
     pub list: &'a CollisionList,
     /// How deep pairs may be and still count.
     pub depths: PairDepths,
+}
+
+impl PairView<'_> {
+    /// Share of an edge at each end that does not touch other edges.
+    pub(super) fn edge_ends(&self) -> f64 {
+        if self.bodies[0] == self.bodies[1] { OWN_EDGE_END } else { 0.0 }
+    }
+
+    /// Whether the two are one body that has cracked.
+    pub(super) fn is_own_and_cracked(&self) -> bool {
+        self.bodies[0] == self.bodies[1] && self.views[0].surface.has_cracked()
+    }
+
+    /// Of a body with itself: how its twins lie.
+    pub(super) fn twin_states(&self, slack_m: f64) -> Vec<TwinState> {
+        let is_own = self.bodies[0] == self.bodies[1];
+        let view = &self.views[0];
+        if is_own { view.surface.twins.states(view, self.step_s, slack_m) } else { Vec::new() }
+    }
 }
 
 /// Penetrations up to which pairs count, as shares of the local size. Deeper ones are features of the far side.
@@ -155,13 +176,32 @@ pub struct Near {
     /// Nodes of the first body and of the second one near patches of the other, by node and triangle.
     nodes: [Vec<NearPair>; 2],
     edges: Vec<NearPair>,
+    /// Of twins that are together.
+    twins: Vec<NearPair>,
 }
 
 impl Near {
+    /// Of a list that has been made ready for the step: sorts out what cannot touch even if the response changes ways by
+    /// `slack_m`, which must be what the list was made ready for.
+    #[must_use]
+    pub fn of_close(pair: &PairView, close: &CloseList, slack_m: f64) -> Self {
+        Self::among(pair, (close.candidates(), close.twin_states()), [close.way_m(), slack_m])
+    }
+
     /// Sorts out the candidates that cannot touch in the step, whose points come no nearer to each other than by
     /// `way_m`, even if their ways change by `slack_m` on top of that.
     #[must_use]
     pub fn of(pair: &PairView, candidates: &Candidates, [way_m, slack_m]: [f64; 2]) -> Self {
+        let states = pair.twin_states(slack_m);
+        let left = candidates.left_by_twins(&states);
+        Self::among(pair, (left.as_ref().unwrap_or(candidates), &states), [way_m, slack_m])
+    }
+
+    fn among(
+        pair: &PairView,
+        (candidates, twin_states): (&Candidates, &[TwinState]),
+        [way_m, slack_m]: [f64; 2],
+    ) -> Self {
         let near_nodes = |side: usize, nodes: &[(u32, u32)]| {
             let side = NodeSide::new(pair, side);
             let near = nodes.iter().filter_map(|c| side.near(*c, way_m, slack_m));
@@ -175,6 +215,7 @@ impl Near {
         Self {
             nodes: [near_nodes(0, &c.node_on_second), near_nodes(1, &c.node_on_first)],
             edges: c.edge_pairs.iter().filter_map(|c| near_edges(pair, *c, way_m + slack_m)).collect(),
+            twins: near_twins(pair, twin_states, way_m + slack_m),
         }
     }
 
@@ -187,6 +228,7 @@ impl Near {
             }
         }
         out.extend(self.edges.iter().filter_map(|e| edge_constraint(pair, e)));
+        out.extend(self.twins.iter().filter_map(|t| twin_constraint(pair, t)));
     }
 
     /// Appends the constraints of the pairs that would penetrate by more than `depth` of the local size at the end
@@ -214,6 +256,7 @@ impl Near {
         }
         let edges = self.edges.iter().filter(|n| n.gap_after_m(&pair.views, pair.step_s) < -depth * n.size_m);
         found.extend(edges.filter_map(|e| edge_constraint(pair, e)));
+        found.extend(self.twins.iter().filter_map(|t| twin_constraint(pair, t)));
         let closes = |c: &Constraint| c.gap_m - pair.step_s * c.closing_m_s < -depth * c.size_m;
         out.extend(found.into_iter().filter(|c| closes(c) && !is_known((c.bodies, c.feature))));
     }
@@ -307,12 +350,23 @@ impl<'a> NodeSide<'a> {
             other.surface.triangle_size_m[triangle as usize].min(own.surface.node_size_m[node as usize]);
         let is_own = self.bodies[0] == self.bodies[1];
         let were_one = is_own && other.surface.were_one(node, triangle);
-        if is_own && !were_one && other.features().has_twin_still_there(node, &corners, size_m) {
-            return None;
-        }
         let x = own.positions_m[node as usize];
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
-        if is_out_of_reach(x, patch_m, [NEAR * size_m + way_m + slack_m, self.pair.depths.held * size_m]) {
+        let far = if is_own { OWN_NEAR } else { NEAR };
+        let above_m = far * size_m + way_m + slack_m;
+        if is_out_of_reach(x, patch_m, [above_m, self.pair.depths.held * size_m]) {
+            return None;
+        }
+        // Deep down among cracks lies much that never pressed.
+        if self.pair.is_own_and_cracked()
+            && is_out_of_reach(x, patch_m, [above_m, self.pair.depths.new * size_m])
+            && !self.holds_on(Feature::NodeOnPatch { node, triangle })
+        {
+            return None;
+        }
+        let path = self.paths(node, corners);
+        if is_own && is_out_of_reach(x, patch_m, [far * size_m + path.relative_m() + slack_m, f64::INFINITY])
+        {
             return None;
         }
         let geometry = Geometry::node_on_patch(x, patch_m)?;
@@ -408,7 +462,7 @@ impl Paths {
     fn touches(&self, geometry: &Geometry, size_m: f64, (is_held, border): (bool, f64)) -> bool {
         let is_over_patch = geometry.is_inside(border);
         // Away from the borders, or for a node on the patch, the meeting point is decided by the start.
-        let is_clear = foot(geometry).abs() * size_m > 4.0 * self.tangential_m();
+        let is_clear = foot(geometry).abs() * size_m > 4.0 * self.relative_m();
         if is_clear || geometry.gap_m <= 0.0 {
             return is_over_patch;
         }
@@ -418,8 +472,8 @@ impl Paths {
         }
     }
 
-    /// Bound on the way of the node along the patch in the step, m.
-    fn tangential_m(&self) -> f64 {
+    /// Bound on the way of the node relative to the patch in the step, m.
+    fn relative_m(&self) -> f64 {
         let relative = self.patch_v.iter().map(|u| (self.v - *u).length_squared()).fold(0.0, f64::max);
         relative.sqrt() * self.step_s
     }
@@ -443,6 +497,33 @@ impl Paths {
     }
 }
 
+/// The contacts of twins that are together.
+fn near_twins(pair: &PairView, states: &[TwinState], reach_m: f64) -> Vec<NearPair> {
+    let view = &pair.views[0];
+    let near = |(node, triangle): (u32, u32)| {
+        let corners = view.surface.triangles[triangle as usize];
+        let patch_m = view.surface.corners_m(triangle, view.positions_m);
+        let size_m =
+            view.surface.triangle_size_m[triangle as usize].min(view.surface.node_size_m[node as usize]);
+        let geometry = Geometry::node_on_patch(view.positions_m[node as usize], patch_m)?;
+        let [a, b, c] = corners;
+        (geometry.gap_m <= OWN_NEAR * size_m + reach_m).then_some(NearPair {
+            feature: Feature::NodeOnPatch { node, triangle },
+            nodes: [(0, node), (1, a), (1, b), (1, c)],
+            geometry,
+            size_m,
+            were_one: true,
+        })
+    };
+    let pairs = (0_u32..).zip(states).filter(|(_, state)| **state == TwinState::Together);
+    pairs.flat_map(|(twins, _)| view.surface.twins.contacts(twins)).filter_map(near).collect()
+}
+
+fn twin_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
+    let touches = near.gap_after_m(&pair.views, pair.step_s) <= OWN_NEAR * near.size_m;
+    touches.then(|| near.constraint(pair.bodies, &pair.views, pair))
+}
+
 /// Two edges if they may touch.
 fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Option<NearPair> {
     let [view1, view2] = &pair.views;
@@ -450,12 +531,11 @@ fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Optio
     let at = |view: &BodyView, n: [u32; 2]| n.map(|n| view.positions_m[n as usize]);
     let (p, q) = (at(view1, n1), at(view2, n2));
     let size_m = (p[1] - p[0]).length().min((q[1] - q[0]).length());
-    let reach_m = pair.depths.held * size_m + way_m;
+    let is_held = pair.list.holds_edges(pair.bodies, [first, second]);
+    let depth = if is_held { pair.depths.held } else { pair.depths.new_edges };
+    let reach_m = depth * size_m + way_m;
     let is_own = pair.bodies[0] == pair.bodies[1];
-    if is_own && n1.iter().any(|n| view2.features().has_twin_still_there(*n, &n2, size_m)) {
-        return None;
-    }
-    if !edges_may_touch(p, q, reach_m) {
+    if !edges_may_touch(p, q, (reach_m, pair.edge_ends())) {
         return None;
     }
     let fans = [edge_fan(view1, first), edge_fan(view2, second)];
@@ -488,9 +568,9 @@ fn edge_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
 }
 
 /// A cheap look before the fans: whether the closest points of two edges lie on both and near each other.
-fn edges_may_touch(p: [DVec3; 2], q: [DVec3; 2], reach_m: f64) -> bool {
+fn edges_may_touch(p: [DVec3; 2], q: [DVec3; 2], (reach_m, ends): (f64, f64)) -> bool {
     let Some((s, t)) = closest_on_lines(p, q) else { return false };
-    let inside = 0.0..=1.0;
+    let inside = ends..=1.0 - ends;
     let apart = p[0].lerp(p[1], s) - q[0].lerp(q[1], t);
     inside.contains(&s) && inside.contains(&t) && apart.length_squared() <= reach_m * reach_m
 }

@@ -5,8 +5,7 @@
 //! few iterations from the impulses of the last step, without assembling anything. The set is put right in a few rounds:
 //! pairs that would pull leave, pairs that would close enter. The passes have the last word, on friction in particular.
 
-use super::constraint::Constraint;
-use super::nodes::NodeTable;
+use super::nodes::ContactNode;
 use super::passes::PairRow;
 use glam::DVec3;
 
@@ -16,78 +15,59 @@ const ROUNDS: u32 = 16;
 const ROUNDS_TOGETHER: u32 = 4;
 /// Iterations of conjugate gradients in one round.
 const ITERATIONS: u32 = 40;
-/// The same where bodies touch themselves.
-const OWN_ITERATIONS: u32 = 12;
-/// Rounds where bodies touch themselves: the pairs that press change too much from step to step to be told exactly.
-const OWN_ROUNDS: u32 = 3;
 /// Change of an impulse, over the largest impulse, that a round may leave.
 const TOLERANCE: f64 = 1e-5;
-/// The same where bodies touch themselves.
-const OWN_TOLERANCE: f64 = 1e-3;
 
-/// Applies first guesses of the impulses. The constraints carry those of the last step.
-pub(super) fn start(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) {
-    let last: Vec<DVec3> = rows.iter().map(|row| constraints[row.index].impulse_n_s).collect();
-    let mut guess = Guess::new(rows, constraints, table);
+/// Applies first guesses of the impulses. The rows carry those of the last step.
+pub(super) fn start(rows: &mut [PairRow], nodes: &mut [ContactNode]) {
+    // Within a body pairs that say the same are many, and which of them press changes from step to step: the passes find
+    // out sooner.
+    if !rows.iter().any(PairRow::is_own) {
+        set_right(rows, nodes);
+    }
+    rows.iter_mut().for_each(|row| row.at.apply(nodes, row.impulse_n_s));
+}
+
+/// Makes the impulses of the last step suit this one.
+fn set_right(rows: &mut [PairRow], nodes: &[ContactNode]) {
+    let mut guess = Guess::new(rows, nodes);
     guess.find_pressing();
     let normal_n_s = guess.normal_n_s;
-    constraints.iter_mut().for_each(|c| c.impulse_n_s = DVec3::ZERO);
-    for ((row, normal_n_s), last) in rows.iter().zip(normal_n_s).zip(last) {
-        let c = &mut constraints[row.index];
-        let last_normal_n_s = last.dot(c.normal);
-        c.impulse_n_s = c.normal * normal_n_s;
+    for (row, normal_n_s) in rows.iter_mut().zip(normal_n_s) {
+        let last = row.impulse_n_s;
+        let last_normal_n_s = last.dot(row.normal);
+        row.impulse_n_s = row.normal * normal_n_s;
         if last_normal_n_s > 0.0 {
             // Friction grows and shrinks with the pressure.
-            c.impulse_n_s += (last - c.normal * last_normal_n_s) * (normal_n_s / last_normal_n_s);
+            row.impulse_n_s += (last - row.normal * last_normal_n_s) * (normal_n_s / last_normal_n_s);
         }
-        table.apply(row.index, &c.weights, c.impulse_n_s);
     }
 }
 
 /// Normal impulses and what they leave.
 struct Guess<'a> {
     rows: &'a [PairRow],
-    constraints: &'a [Constraint],
-    table: &'a NodeTable,
+    nodes: &'a [ContactNode],
     /// Normal impulse of each pair, N s.
     normal_n_s: Vec<f64>,
     /// What the relative normal velocity of each pair lacks of its target with these impulses, m/s.
     shortfall_m_s: Vec<f64>,
     presses: Vec<bool>,
-    rounds: u32,
-    iterations: u32,
-    tolerance: f64,
     /// Changes of node velocities, in the order of the table, m/s.
     change_m_s: Vec<DVec3>,
 }
 
 impl<'a> Guess<'a> {
-    fn new(rows: &'a [PairRow], constraints: &'a [Constraint], table: &'a NodeTable) -> Self {
-        let shortfall = |row: &PairRow| {
-            let c = &constraints[row.index];
-            c.target_m_s - table.relative_velocity(row.index, &c.weights).dot(c.normal)
-        };
-        let normal = |row: &PairRow| {
-            let c = &constraints[row.index];
-            c.impulse_n_s.dot(c.normal).max(0.0)
-        };
-        let is_own = rows.iter().any(PairRow::is_own);
-        let (rounds, iterations, tolerance) = if is_own {
-            (OWN_ROUNDS, OWN_ITERATIONS, OWN_TOLERANCE)
-        } else {
-            (ROUNDS, ITERATIONS, TOLERANCE)
-        };
+    fn new(rows: &'a [PairRow], nodes: &'a [ContactNode]) -> Self {
+        let shortfall = |row: &PairRow| row.target_m_s - row.at.velocity(nodes).dot(row.normal);
+        let normal = |row: &PairRow| row.impulse_n_s.dot(row.normal).max(0.0);
         let mut guess = Self {
-            rounds,
-            iterations,
-            tolerance,
             rows,
-            constraints,
-            table,
+            nodes,
             normal_n_s: rows.iter().map(normal).collect(),
             shortfall_m_s: rows.iter().map(shortfall).collect(),
             presses: Vec::new(),
-            change_m_s: vec![DVec3::ZERO; table.nodes.len()],
+            change_m_s: vec![DVec3::ZERO; nodes.len()],
         };
         guess.presses = guess.normal_n_s.iter().map(|x| *x > 0.0).collect();
         if guess.presses.contains(&true) {
@@ -103,20 +83,17 @@ impl<'a> Guess<'a> {
     fn response(&mut self, normal_n_s: &[f64]) -> Vec<f64> {
         self.change_m_s.fill(DVec3::ZERO);
         for (row, x) in self.rows.iter().zip(normal_n_s).filter(|(_, x)| **x != 0.0) {
-            let c = &self.constraints[row.index];
-            self.table.add_change(&mut self.change_m_s, (row.index, &c.weights), c.normal * *x);
+            row.at.add_change(self.nodes, &mut self.change_m_s, row.normal * *x);
         }
         let response = |(row, x): (&PairRow, &f64)| {
-            let c = &self.constraints[row.index];
-            let change = self.table.change_between(&self.change_m_s, (row.index, &c.weights));
-            change.dot(c.normal) + row.yield_per_kg * x
+            row.at.sum(|i| self.change_m_s[i]).dot(row.normal) + row.yield_per_kg * x
         };
         self.rows.iter().zip(normal_n_s).map(response).collect()
     }
 
     /// Solves for the pressing pairs and mends their set until it no longer changes.
     fn find_pressing(&mut self) {
-        for round in 0..self.rounds {
+        for round in 0..ROUNDS {
             self.solve();
             let most_n_s = self.most_n_s();
             let pulling = self.strongest(round, |guess, i| -guess.normal_n_s[i]);
@@ -126,7 +103,7 @@ impl<'a> Guess<'a> {
             }
             let closing = self.strongest(round, |guess, i| {
                 let change_n_s = guess.shortfall_m_s[i] / guess.rows[i].normal_block_per_kg;
-                if guess.presses[i] { 0.0 } else { change_n_s - 2.0 * guess.tolerance * most_n_s }
+                if guess.presses[i] { 0.0 } else { change_n_s - 2.0 * TOLERANCE * most_n_s }
             });
             if closing.is_empty() {
                 return;
@@ -174,9 +151,9 @@ impl<'a> Guess<'a> {
         let mut z = self.preconditioned();
         let mut direction = z.clone();
         let mut energy_j = self.work_j(&z);
-        for _ in 0..self.iterations {
+        for _ in 0..ITERATIONS {
             let largest_n_s = z.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if largest_n_s <= self.tolerance * self.most_n_s() {
+            if largest_n_s <= TOLERANCE * self.most_n_s() {
                 return;
             }
             let response = self.response(&direction);

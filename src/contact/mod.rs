@@ -9,7 +9,7 @@ pub mod close;
 pub mod collision_list;
 pub mod constraint;
 pub mod detect;
-pub mod first_guess;
+mod first_guess;
 mod geometry;
 pub mod impact;
 pub mod nodes;
@@ -18,6 +18,7 @@ mod passes;
 pub mod response;
 pub mod surface;
 pub mod time_of_impact;
+mod twins;
 
 pub use close::CloseList;
 pub use collision_list::CollisionList;

@@ -6,18 +6,16 @@ use glam::DVec3;
 /// A node that takes part in the response.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactNode {
+    /// Velocity of the half step, m/s; corrected by the response.
+    pub velocity_m_s: DVec3,
+    /// Inverse mass along x, y, z, 1/kg; zero where the motion is prescribed.
+    pub inverse_mass_per_kg: DVec3,
+    /// Velocity at the start of the step, m/s.
+    pub start_velocity_m_s: DVec3,
     /// Body.
     pub body: u32,
     /// Node of the body.
     pub node: u32,
-    /// Velocity of the half step, m/s; corrected by the response.
-    pub velocity_m_s: DVec3,
-    /// Velocity at the start of the step, m/s.
-    pub start_velocity_m_s: DVec3,
-    /// Inverse mass along x, y, z, 1/kg; zero where the motion is prescribed.
-    pub inverse_mass_per_kg: DVec3,
-    /// Sum of the contact impulses, N s.
-    pub impulse_n_s: DVec3,
 }
 
 impl ContactNode {
@@ -25,7 +23,50 @@ impl ContactNode {
     #[must_use]
     pub fn new((body, node): (u32, u32), velocities_m_s: [DVec3; 2], inverse_mass_per_kg: DVec3) -> Self {
         let [start_velocity_m_s, velocity_m_s] = velocities_m_s;
-        Self { body, node, velocity_m_s, start_velocity_m_s, inverse_mass_per_kg, impulse_n_s: DVec3::ZERO }
+        Self { velocity_m_s, inverse_mass_per_kg, start_velocity_m_s, body, node }
+    }
+}
+
+/// Four nodes of a table and their weights in a pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weighted {
+    /// Places in the table.
+    pub nodes: [u32; 4],
+    pub weights: [f64; 4],
+}
+
+impl Weighted {
+    /// Weighted sum over the nodes, by their places in the table.
+    pub fn sum(&self, of_node: impl Fn(usize) -> DVec3) -> DVec3 {
+        let [a, b, c, d] = self.nodes.map(|node| node as usize);
+        let [wa, wb, wc, wd] = self.weights;
+        of_node(a) * wa + of_node(b) * wb + (of_node(c) * wc + of_node(d) * wd)
+    }
+
+    /// Relative velocity of the half step, m/s.
+    pub fn velocity(&self, nodes: &[ContactNode]) -> DVec3 {
+        self.sum(|i| nodes[i].velocity_m_s)
+    }
+
+    /// Lets an impulse act on the nodes.
+    pub fn apply(&self, nodes: &mut [ContactNode], impulse_n_s: DVec3) {
+        for (node, weight) in self.nodes.into_iter().zip(self.weights) {
+            let node = &mut nodes[node as usize];
+            node.velocity_m_s += node.inverse_mass_per_kg * impulse_n_s * weight;
+        }
+    }
+
+    /// Adds to changes of the nodes' velocities, m/s, what an impulse would do.
+    pub fn add_change(&self, nodes: &[ContactNode], changes_m_s: &mut [DVec3], impulse_n_s: DVec3) {
+        for (node, weight) in self.nodes.into_iter().zip(self.weights) {
+            changes_m_s[node as usize] += nodes[node as usize].inverse_mass_per_kg * impulse_n_s * weight;
+        }
+    }
+
+    /// Diagonal of the pair's block: `sum_i w_i^2 / m_i` along x, y, z, 1/kg.
+    pub fn block(&self, nodes: &[ContactNode]) -> DVec3 {
+        let pairs = self.nodes.iter().zip(self.weights);
+        pairs.map(|(node, weight)| nodes[*node as usize].inverse_mass_per_kg * (weight * weight)).sum()
     }
 }
 
@@ -34,7 +75,7 @@ impl ContactNode {
 pub struct NodeTable {
     /// Nodes, sorted by body and node.
     pub nodes: Vec<ContactNode>,
-    rows: Vec<[usize; 4]>,
+    rows: Vec<[u32; 4]>,
     predicted_m_s: Vec<DVec3>,
 }
 
@@ -47,34 +88,37 @@ impl NodeTable {
             constraints.iter().flat_map(|c| (0..4).map(move |k| id(c, k))).collect();
         ids.sort_unstable();
         ids.dedup();
-        let rows = constraints
-            .iter()
-            .map(|c| std::array::from_fn(|k| ids.binary_search(&id(c, k)).unwrap_or_default()))
-            .collect();
-        let nodes: Vec<ContactNode> = ids.into_iter().map(state).collect();
+        let place = |id: (u32, u32)| ids.binary_search(&id).unwrap_or_default() as u32;
+        let rows = constraints.iter().map(|c| std::array::from_fn(|k| place(id(c, k)))).collect();
+        let nodes: Vec<ContactNode> = ids.iter().copied().map(state).collect();
         let predicted_m_s = nodes.iter().map(|n| n.velocity_m_s).collect();
         Self { nodes, rows, predicted_m_s }
+    }
+
+    /// A constraint's nodes, with these weights.
+    pub(super) fn weighted(&self, row: usize, weights: [f64; 4]) -> Weighted {
+        Weighted { nodes: self.rows[row], weights }
     }
 
     /// Relative velocity of the half step of a constraint, m/s.
     #[must_use]
     pub fn relative_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
-        self.between((row, weights), |i| self.nodes[i].velocity_m_s)
+        self.weighted(row, *weights).velocity(&self.nodes)
     }
 
     /// Relative velocity at the start of the step of a constraint, m/s.
     pub(super) fn relative_start_velocity(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
-        self.between((row, weights), |i| self.nodes[i].start_velocity_m_s)
+        self.weighted(row, *weights).sum(|i| self.nodes[i].start_velocity_m_s)
     }
 
     /// Change of the relative velocity of a constraint by the response so far, m/s.
     pub(super) fn relative_change(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
-        self.between((row, weights), |i| self.nodes[i].velocity_m_s - self.predicted_m_s[i])
+        self.weighted(row, *weights).sum(|i| self.change_m_s(i))
     }
 
-    /// Weighted sum over a constraint's nodes, by their indices in the table.
-    fn between(&self, (row, weights): (usize, &[f64; 4]), of_node: impl Fn(usize) -> DVec3) -> DVec3 {
-        self.rows[row].iter().zip(weights).map(|(i, w)| of_node(*i) * *w).sum()
+    /// Change of a node's velocity by the response so far, m/s.
+    pub(super) fn change_m_s(&self, node: usize) -> DVec3 {
+        self.nodes[node].velocity_m_s - self.predicted_m_s[node]
     }
 
     /// Velocities before the response, in the order of `nodes`, m/s.
@@ -90,56 +134,20 @@ impl NodeTable {
         Some(self.predicted_m_s[at])
     }
 
-    pub(super) fn apply(&mut self, row: usize, weights: &[f64; 4], impulse_n_s: DVec3) {
-        for (i, w) in self.rows[row].into_iter().zip(weights) {
-            let node = &mut self.nodes[i];
-            node.impulse_n_s += impulse_n_s * *w;
-            node.velocity_m_s += node.inverse_mass_per_kg * impulse_n_s * *w;
-        }
-    }
-
-    /// Adds to changes of the nodes' velocities, m/s, what an impulse of a constraint would do.
-    pub(super) fn add_change(
-        &self,
-        changes_m_s: &mut [DVec3],
-        (row, weights): (usize, &[f64; 4]),
-        impulse_n_s: DVec3,
-    ) {
-        for (i, w) in self.rows[row].into_iter().zip(weights) {
-            changes_m_s[i] += self.nodes[i].inverse_mass_per_kg * impulse_n_s * *w;
-        }
-    }
-
-    /// Relative velocity of a constraint that goes with changes of the nodes' velocities, m/s.
-    pub(super) fn change_between(&self, changes_m_s: &[DVec3], (row, weights): (usize, &[f64; 4])) -> DVec3 {
-        self.between((row, weights), |i| changes_m_s[i])
-    }
-
-    /// Takes back all but a share of what has been applied since `saved`; above 1 it goes beyond.
-    pub(super) fn keep_share(&mut self, saved: &[ContactNode], share: f64) {
-        for (node, saved) in self.nodes.iter_mut().zip(saved) {
-            node.velocity_m_s = saved.velocity_m_s.lerp(node.velocity_m_s, share);
-            node.impulse_n_s = saved.impulse_n_s.lerp(node.impulse_n_s, share);
-        }
-    }
-
-    /// Diagonal of the pair's block: `sum_i w_i^2 / m_i` along x, y, z, 1/kg.
-    pub(super) fn block(&self, row: usize, weights: &[f64; 4]) -> DVec3 {
-        let rows = self.rows[row].iter().zip(weights);
-        rows.map(|(i, w)| self.nodes[*i].inverse_mass_per_kg * (w * w)).sum()
-    }
-
-    /// Energy that the impulses took from the nodes and work that prescribed motion did, J.
+    /// Energy that the constraints' impulses took from the nodes and work that prescribed motion did, J.
     ///
     /// The impulse acts at the start of the step, on the velocity of that moment.
-    pub(super) fn balances(&self) -> (f64, f64) {
+    pub(super) fn balances(&self, constraints: &[Constraint]) -> (f64, f64) {
         let (mut dissipated_j, mut prescribed_j) = (0.0, 0.0);
-        for node in &self.nodes {
-            let change = node.inverse_mass_per_kg * node.impulse_n_s;
-            let work = node.impulse_n_s * (node.start_velocity_m_s + change * 0.5);
-            dissipated_j -= work.element_sum();
-            let is_prescribed = node.inverse_mass_per_kg.cmpeq(DVec3::ZERO);
-            prescribed_j -= DVec3::select(is_prescribed, work, DVec3::ZERO).element_sum();
+        for (row, c) in constraints.iter().enumerate().filter(|(_, c)| c.impulse_n_s != DVec3::ZERO) {
+            for (node, weight) in self.rows[row].into_iter().zip(c.moment_free_weights()) {
+                let (at, node) = (node as usize, &self.nodes[node as usize]);
+                let midway_m_s = node.start_velocity_m_s + self.change_m_s(at) * 0.5;
+                let work = c.impulse_n_s * weight * midway_m_s;
+                dissipated_j -= work.element_sum();
+                let is_prescribed = node.inverse_mass_per_kg.cmpeq(DVec3::ZERO);
+                prescribed_j -= DVec3::select(is_prescribed, work, DVec3::ZERO).element_sum();
+            }
         }
         (dissipated_j, prescribed_j)
     }

@@ -7,6 +7,7 @@
 
 use super::surface::ContactSurface;
 use super::time_of_impact::BORDER;
+use super::twins::TOGETHER;
 use super::{constraint::Geometry, geometry::closest_on_lines};
 use glam::DVec3;
 
@@ -15,7 +16,7 @@ const NEIGHBOUR: f64 = 2.0;
 /// Distance in the reference shape, over the local size, up to which features lie on each other there.
 const COINCIDENT: f64 = 1e-6;
 /// Way of features from where they lay on each other, over the local size, up to which topology decides: what penetration may be.
-const STILL_THERE: f64 = 1e-3;
+const STILL_THERE: f64 = TOGETHER;
 
 /// The features of one body, as far as they may touch each other.
 pub struct OwnFeatures<'a> {
@@ -74,17 +75,6 @@ impl OwnFeatures<'_> {
         (now(p, on_p) - now(q, on_q)).length() <= STILL_THERE * size_m
     }
 
-    /// The same for the twins of a node at a corner of the patch or at an end of an edge: told without much ado.
-    #[must_use]
-    pub fn has_twin_still_there(&self, node: u32, others: &[u32], size_m: f64) -> bool {
-        let (then_m, now_m) = (self.reference_m[node as usize], self.positions_m[node as usize]);
-        let reach2 = (STILL_THERE * size_m).powi(2);
-        others.iter().any(|other| {
-            self.reference_m[*other as usize] == then_m
-                && (self.positions_m[*other as usize] - now_m).length_squared() <= reach2
-        })
-    }
-
     fn are_near(&self, n: u32, m: u32) -> bool {
         let [size_n, size_m] = [n, m].map(|node| self.surface.node_size_m[node as usize]);
         self.reference_m[n as usize].distance(self.reference_m[m as usize]) <= NEIGHBOUR * size_n.max(size_m)
@@ -139,7 +129,7 @@ mod tests {
         let is_crack = |t: &[u32; 3]| t.iter().all(|n| nodes[*n as usize].x == 0.0);
         let side = |t: &[u32; 3]| is_crack(t).then(|| CrackSide { pair: 0, above: t[0] >= 4 });
         let sides = boundary.triangles.iter().map(side).collect();
-        (ContactSurface::new(&boundary, &nodes).with_cracks(sides), nodes)
+        (ContactSurface::new(&boundary, &nodes).with_cracks(sides, &nodes), nodes)
     }
 
     fn triangle_of(surface: &ContactSurface, mut nodes: [u32; 3]) -> u32 {

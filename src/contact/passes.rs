@@ -5,7 +5,7 @@
 //! start from stands in `first_guess.rs`.
 
 use super::constraint::Constraint;
-use super::nodes::NodeTable;
+use super::nodes::{ContactNode, NodeTable, Weighted};
 use super::response::{ResponseParameters, ResponseReport};
 use glam::DVec3;
 
@@ -29,9 +29,8 @@ const OWN_YIELD: f64 = 5e-3;
 
 /// Passes over the pairs until they settle, `most_passes` at most.
 pub(super) fn settle(
-    rows: &[PairRow],
-    constraints: &mut [Constraint],
-    table: &mut NodeTable,
+    rows: &mut [PairRow],
+    nodes: &mut [ContactNode],
     (p, most_passes): (&ResponseParameters, u32),
 ) -> ResponseReport {
     let mut report = ResponseReport::default();
@@ -39,18 +38,17 @@ pub(super) fn settle(
     let is_own = rows.iter().any(PairRow::is_own);
     let patience = if is_own { OWN_PATIENCE } else { PATIENCE };
     loop {
-        let pass = Pass::over(rows, constraints, table);
+        let pass = Pass::over(rows, nodes);
         report.last_change = pass.relative_change();
         report.passes += 1;
         let is_settled = report.last_change < p.tolerance;
         let is_time = is_settled || report.passes >= p.passes * patience;
-        let is_done = is_time
-            && (report.last_change < 1e-12 || !penetrates(rows, constraints, table, (p.step_s, is_own)));
+        let is_done = is_time && (report.last_change < 1e-12 || !penetrates(rows, nodes, (p.step_s, is_own)));
         // The last word has a plain pass, in which every pair obeys its law.
         if is_done || report.passes >= if is_own { most_passes.min(OWN_MOST_PASSES) } else { most_passes } {
             return report;
         }
-        memory.accelerate(rows, constraints, table, pass);
+        memory.accelerate(rows, nodes, pass);
     }
 }
 
@@ -76,12 +74,11 @@ struct Pass {
 }
 
 impl Pass {
-    fn over(rows: &[PairRow], constraints: &mut [Constraint], table: &mut NodeTable) -> Self {
-        let before: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
-        for row in rows.iter().chain(rows.iter().rev()) {
-            row.relax(&mut constraints[row.index], table);
-        }
-        let impulses: Vec<DVec3> = rows.iter().map(|r| constraints[r.index].impulse_n_s).collect();
+    fn over(rows: &mut [PairRow], nodes: &mut [ContactNode]) -> Self {
+        let before = impulses(rows);
+        rows.iter_mut().for_each(|row| row.relax(nodes));
+        rows.iter_mut().rev().for_each(|row| row.relax(nodes));
+        let impulses = impulses(rows);
         let change = difference(&impulses, &before);
         Self { impulses, change }
     }
@@ -94,14 +91,17 @@ impl Pass {
     }
 }
 
+fn impulses(rows: &[PairRow]) -> Vec<DVec3> {
+    rows.iter().map(|row| row.impulse_n_s).collect()
+}
+
 impl Anderson {
     /// Goes to where the passes so far promise the smallest change; a pair whose impulse would
     /// pull or leave the friction cone stays, and the next pass sets right what is left.
     fn accelerate(
         &mut self,
-        rows: &[PairRow],
-        constraints: &mut [Constraint],
-        table: &mut NodeTable,
+        rows: &mut [PairRow],
+        nodes: &mut [ContactNode],
         Pass { impulses, change }: Pass,
     ) {
         if let Some((last_impulses, last_change)) = self.last.take() {
@@ -117,11 +117,9 @@ impl Anderson {
             further.iter_mut().zip(of_impulses).for_each(|(f, d)| *f -= *d * share);
         }
         let too_far = dot(&further, &further) > FURTHEST * FURTHEST * dot(&change, &change);
-        for (row, further) in rows.iter().zip(&further).filter(|_| !too_far) {
-            let c = &mut constraints[row.index];
-            if *further != DVec3::ZERO && row.allows(c, c.impulse_n_s + *further) {
-                c.impulse_n_s += *further;
-                table.apply(row.index, &c.weights, *further);
+        for (row, further) in rows.iter_mut().zip(&further).filter(|_| !too_far) {
+            if *further != DVec3::ZERO && row.allows(row.impulse_n_s + *further) {
+                row.add(*further, nodes);
             }
         }
         self.last = Some((impulses, change));
@@ -158,92 +156,110 @@ fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
 
 /// Whether a pair would end the step too deep. `is_own` where bodies touch themselves, and few passes are taken for granted:
 /// there small steps into each other would add up.
-fn penetrates(
-    rows: &[PairRow],
-    constraints: &[Constraint],
-    table: &NodeTable,
-    (step_s, is_own): (f64, bool),
-) -> bool {
+fn penetrates(rows: &[PairRow], nodes: &[ContactNode], (step_s, is_own): (f64, bool)) -> bool {
     rows.iter().any(|row| {
-        let c = &constraints[row.index];
-        let normal_v = table.relative_velocity(row.index, &c.weights).dot(c.normal);
         let allowed_m = if is_own {
-            (OWN_PENETRATION_LEFT * c.size_m).max(-c.gap_m)
+            (OWN_PENETRATION_LEFT * row.size_m).max(-row.gap_m)
         } else {
-            PENETRATION_LEFT * c.size_m - c.gap_m.min(0.0)
+            PENETRATION_LEFT * row.size_m - row.gap_m.min(0.0)
         };
-        c.gap_m + step_s * normal_v < -allowed_m
+        row.gap_m + step_s * row.at.velocity(nodes).dot(row.normal) < -allowed_m
     })
 }
 
-/// A pair with its block, ready to be solved again and again.
+/// A pair with its block and its impulse, ready to be solved again and again: what the passes need and no more, since they
+/// spend their time in fetching it.
 pub(super) struct PairRow {
-    pub(super) index: usize,
-    pub(super) normal_block_per_kg: f64,
+    /// Number of the constraint.
+    pub index: usize,
+    pub at: Weighted,
+    pub normal: DVec3,
+    /// Impulse on the first body, N s.
+    pub impulse_n_s: DVec3,
+    /// Relative normal velocity that must at least hold, m/s.
+    pub target_m_s: f64,
+    pub normal_block_per_kg: f64,
     tangent_block_per_kg: f64,
     /// Relative normal velocity that the pair yields for an impulse, 1/kg.
-    pub(super) yield_per_kg: f64,
+    pub yield_per_kg: f64,
+    friction_coefficient: f64,
     /// Normal impulse from which friction is taken at most, N s.
     most_normal_n_s: f64,
+    gap_m: f64,
+    size_m: f64,
 }
 
 impl PairRow {
     /// `None` when neither side can move along the normal, be it for round-off in the normal's direction.
-    pub(super) fn new(index: usize, constraint: &Constraint, table: &NodeTable) -> Option<Self> {
-        let block = table.block(index, &constraint.weights);
-        let n = constraint.normal;
-        let normal_block_per_kg = n.dot(block * n);
-        let is_own = constraint.is_own();
+    pub fn new(index: usize, c: &Constraint, table: &NodeTable) -> Option<Self> {
+        let at = table.weighted(index, c.weights);
+        let block = at.block(&table.nodes);
+        let normal_block_per_kg = c.normal.dot(block * c.normal);
+        let is_own = c.is_own();
         (normal_block_per_kg > LEAST_BLOCK * block.max_element()).then(|| Self {
             index,
+            at,
+            normal: c.normal,
+            impulse_n_s: c.impulse_n_s,
+            target_m_s: c.target_m_s,
             normal_block_per_kg,
             tangent_block_per_kg: block.max_element(),
             yield_per_kg: if is_own { OWN_YIELD * normal_block_per_kg } else { 0.0 },
-            most_normal_n_s: if is_own { constraint.impulse_n_s.dot(n).max(0.0) } else { f64::INFINITY },
+            friction_coefficient: c.friction_coefficient,
+            most_normal_n_s: if is_own { c.impulse_n_s.dot(c.normal).max(0.0) } else { f64::INFINITY },
+            gap_m: c.gap_m,
+            size_m: c.size_m,
         })
     }
 
-    pub(super) fn is_own(&self) -> bool {
+    pub fn is_own(&self) -> bool {
         self.yield_per_kg > 0.0
     }
 
+    /// Lets a further impulse act.
+    pub fn add(&mut self, impulse_n_s: DVec3, nodes: &mut [ContactNode]) {
+        self.impulse_n_s += impulse_n_s;
+        self.at.apply(nodes, impulse_n_s);
+    }
+
     /// Whether an impulse pushes and its friction is no larger than it may be.
-    fn allows(&self, c: &Constraint, impulse_n_s: DVec3) -> bool {
-        let most_n_s = c.friction_coefficient * self.most_normal_n_s;
-        c.allows(impulse_n_s) && impulse_n_s.reject_from_normalized(c.normal).length() <= most_n_s
+    fn allows(&self, impulse_n_s: DVec3) -> bool {
+        let normal_n_s = impulse_n_s.dot(self.normal);
+        let tangential = impulse_n_s - self.normal * normal_n_s;
+        let most_n_s = self.friction_coefficient * normal_n_s.min(self.most_normal_n_s);
+        normal_n_s >= 0.0 && tangential.length() <= most_n_s + 1e-300
     }
 
     /// Solves the pair with all others held.
-    fn relax(&self, c: &mut Constraint, table: &mut NodeTable) {
-        let velocity = table.relative_velocity(self.index, &c.weights);
-        let old = c.impulse_n_s;
-        let old_normal = old.dot(c.normal);
-        let shortfall = c.target_m_s - velocity.dot(c.normal) - self.yield_per_kg * old_normal;
+    fn relax(&mut self, nodes: &mut [ContactNode]) {
+        let (normal, old) = (self.normal, self.impulse_n_s);
+        let velocity = self.at.velocity(nodes);
+        let (old_normal, opening_m_s) = (old.dot(normal), velocity.dot(normal));
+        let shortfall = self.target_m_s - opening_m_s - self.yield_per_kg * old_normal;
         let block_per_kg = self.normal_block_per_kg + self.yield_per_kg;
         let normal_part = (old_normal + shortfall / block_per_kg).max(0.0);
         let mut tangential = DVec3::ZERO;
-        if c.friction_coefficient > 0.0 && normal_part > 0.0 {
-            let slip = velocity - c.normal * velocity.dot(c.normal);
-            let held = old - c.normal * old_normal;
+        if self.friction_coefficient > 0.0 && normal_part > 0.0 {
+            let slip = velocity - normal * opening_m_s;
+            let held = old - normal * old_normal;
             let yielding_per_kg = if self.is_own() { OWN_YIELD * self.tangent_block_per_kg } else { 0.0 };
             let sticking =
                 held - (slip + held * yielding_per_kg) / (self.tangent_block_per_kg + yielding_per_kg);
-            tangential =
-                sticking.clamp_length_max(c.friction_coefficient * normal_part.min(self.most_normal_n_s));
+            let most_n_s = self.friction_coefficient * normal_part.min(self.most_normal_n_s);
+            tangential = sticking.clamp_length_max(most_n_s);
         }
-        c.impulse_n_s = c.normal * normal_part + tangential;
-        let change = c.impulse_n_s - old;
+        let change = normal * normal_part + tangential - old;
         if change != DVec3::ZERO {
-            table.apply(self.index, &c.weights, change);
+            self.add(change, nodes);
         }
     }
+}
 
-    /// Moves the foot of the force so that the pair has no moment (see `constraint.rs`).
-    pub(super) fn free_of_moment(&self, c: &Constraint, table: &mut NodeTable) {
-        let weights = c.moment_free_weights();
-        if weights != c.weights {
-            let change = std::array::from_fn(|i| weights[i] - c.weights[i]);
-            table.apply(self.index, &change, c.impulse_n_s);
-        }
+/// Moves the foot of a constraint's force so that the pair has no moment (see `constraint.rs`).
+pub(super) fn free_of_moment(row: &PairRow, c: &Constraint, nodes: &mut [ContactNode]) {
+    let weights = c.moment_free_weights();
+    if weights != c.weights {
+        let change = std::array::from_fn(|i| weights[i] - c.weights[i]);
+        Weighted { weights: change, ..row.at }.apply(nodes, c.impulse_n_s);
     }
 }

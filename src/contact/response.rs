@@ -15,7 +15,7 @@ use super::constraint::Constraint;
 use super::first_guess::start;
 use super::impact::{ImpactStore, rebound_speeds_m_s, share_of_blow};
 use super::nodes::NodeTable;
-use super::passes::{PairRow, settle};
+use super::passes::{PairRow, free_of_moment, settle};
 use glam::DVec3;
 
 /// Passes after which a response that still penetrates gives up.
@@ -81,34 +81,42 @@ pub fn solve(
     table: &mut NodeTable,
     p: &ResponseParameters,
 ) -> ResponseReport {
-    let rows: Vec<PairRow> =
+    let mut rows: Vec<PairRow> =
         constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
     let stored_before_j = stored_j(constraints);
-    start(&rows, constraints, table);
-    let mut report = settle(&rows, constraints, table, (p, MOST_PASSES));
-    if let Some(blow) = p.conserve_impact_energy.then(|| deal_blows(&rows, constraints, table, p)).flatten() {
+    start(&mut rows, &mut table.nodes);
+    let mut report = settle(&mut rows, &mut table.nodes, (p, MOST_PASSES));
+    write_impulses(&rows, constraints);
+    if let Some(blow) =
+        p.conserve_impact_energy.then(|| deal_blows(&mut rows, constraints, table, p)).flatten()
+    {
         report.passes = report.passes.max(blow.passes);
     }
     for row in &rows {
-        row.free_of_moment(&constraints[row.index], table);
+        free_of_moment(row, &constraints[row.index], &mut table.nodes);
     }
     if p.conserve_impact_energy {
         store_impacts(&rows, constraints, table, (stored_before_j, p.rest_speed_m_s));
     }
-    (report.dissipated_j, report.prescribed_work_j) = table.balances();
+    (report.dissipated_j, report.prescribed_work_j) = table.balances(constraints);
     report
 }
 
+/// A constraint without a row cannot be opened: it has no impulse.
+fn write_impulses(rows: &[PairRow], constraints: &mut [Constraint]) {
+    constraints.iter_mut().for_each(|c| c.impulse_n_s = DVec3::ZERO);
+    rows.iter().for_each(|row| constraints[row.index].impulse_n_s = row.impulse_n_s);
+}
+
 /// Aims all pairs of the places that open and have stored an impact at a velocity a little above that of a full
-/// rebound. Returns their numbers.
-fn aim_blows(rows: &[PairRow], constraints: &mut [Constraint], table: &NodeTable) -> Vec<usize> {
+/// rebound. Returns the numbers of the constraints.
+fn aim_blows(rows: &mut [PairRow], constraints: &[Constraint], table: &NodeTable) -> Vec<usize> {
     let speed_m_s = rebound_speeds_m_s(constraints);
     let mut aimed = Vec::new();
-    for index in rows.iter().map(|r| r.index).filter(|i| speed_m_s[*i] > 0.0) {
-        let c = &mut constraints[index];
-        let velocity_m_s = table.relative_velocity(index, &c.weights).dot(c.normal);
-        c.target_m_s = velocity_m_s + BLOW_MARGIN * speed_m_s[index];
-        aimed.push(index);
+    for row in rows.iter_mut().filter(|row| speed_m_s[row.index] > 0.0) {
+        let velocity_m_s = row.at.velocity(&table.nodes).dot(row.normal);
+        row.target_m_s = velocity_m_s + BLOW_MARGIN * speed_m_s[row.index];
+        aimed.push(row.index);
     }
     aimed
 }
@@ -116,7 +124,7 @@ fn aim_blows(rows: &[PairRow], constraints: &mut [Constraint], table: &NodeTable
 /// Solves again with the blows' targets and takes as much of the blow as gives what the pairs had stored. Where the
 /// nodes cannot give way because their neighbours still press, there is no blow yet.
 fn deal_blows(
-    rows: &[PairRow],
+    rows: &mut [PairRow],
     constraints: &mut [Constraint],
     table: &mut NodeTable,
     p: &ResponseParameters,
@@ -125,16 +133,17 @@ fn deal_blows(
     if aimed.is_empty() {
         return None;
     }
-    let nodes = table.nodes.clone();
-    let impulses: Vec<DVec3> = constraints.iter().map(|c| c.impulse_n_s).collect();
+    let before_m_s: Vec<DVec3> = table.nodes.iter().map(|node| node.velocity_m_s).collect();
+    let impulses: Vec<DVec3> = rows.iter().map(|row| row.impulse_n_s).collect();
     // A blow is cut to its energy anyway: the usual passes are enough.
-    let report = settle(rows, constraints, table, (p, p.passes));
+    let report = settle(rows, &mut table.nodes, (p, p.passes));
     let spent_j = aimed.iter().map(|i| constraints[*i].stored.energy_j).sum();
     let (mut work_j, mut square_j) = (0.0, 0.0);
-    for (before, after) in nodes.iter().zip(&table.nodes) {
-        let impulse = after.impulse_n_s - before.impulse_n_s;
-        let made_m_s = after.velocity_m_s - before.velocity_m_s;
-        let start_m_s = before.start_velocity_m_s + before.inverse_mass_per_kg * before.impulse_n_s;
+    let predicted_m_s = table.predicted_m_s();
+    for (row, before) in rows.iter().zip(&impulses) {
+        let impulse = row.impulse_n_s - *before;
+        let made_m_s = row.at.sum(|i| table.nodes[i].velocity_m_s - before_m_s[i]);
+        let start_m_s = row.at.sum(|i| table.nodes[i].start_velocity_m_s + before_m_s[i] - predicted_m_s[i]);
         square_j += 0.5 * impulse.dot(made_m_s);
         work_j += impulse.dot(start_m_s + made_m_s * 0.5);
     }
@@ -144,10 +153,13 @@ fn deal_blows(
     } else {
         aimed.iter().for_each(|i| constraints[*i].stored = ImpactStore::default());
     }
-    for (c, before) in constraints.iter_mut().zip(&impulses) {
-        c.impulse_n_s = before.lerp(c.impulse_n_s, share);
+    for (row, before) in rows.iter_mut().zip(&impulses) {
+        row.impulse_n_s = before.lerp(row.impulse_n_s, share);
     }
-    table.keep_share(&nodes, share);
+    for (node, before) in table.nodes.iter_mut().zip(&before_m_s) {
+        node.velocity_m_s = before.lerp(node.velocity_m_s, share);
+    }
+    write_impulses(rows, constraints);
     (share > 0.0).then_some(report)
 }
 
@@ -228,16 +240,15 @@ pub fn apply_penalty(
         let normal_part = -c.gap_m * stiffness_n_m * step_s;
         let velocity = table.relative_velocity(row, &c.weights);
         let slip = velocity - c.normal * velocity.dot(c.normal);
-        let block = table.block(row, &c.weights).max_element();
+        let block = table.weighted(row, c.weights).block(&table.nodes).max_element();
         if block <= 0.0 {
             continue;
         }
         let tangential = (-slip / block).clamp_length_max(c.friction_coefficient * normal_part);
         c.impulse_n_s = c.normal * normal_part + tangential;
-        let weights = c.moment_free_weights();
-        table.apply(row, &weights, c.impulse_n_s);
+        table.weighted(row, c.moment_free_weights()).apply(&mut table.nodes, c.impulse_n_s);
     }
-    let (dissipated_j, prescribed_work_j) = table.balances();
+    let (dissipated_j, prescribed_work_j) = table.balances(constraints);
     ResponseReport { passes: 1, dissipated_j, prescribed_work_j, ..ResponseReport::default() }
 }
 
@@ -323,7 +334,8 @@ mod tests {
         assert!((report.dissipated_j + stored.energy_j).abs() < 1e-12);
         assert!((kinetic(&table) - (0.01 + stored.energy_j)).abs() < 1e-12);
         assert!(!c[0].stored.is_filled());
-        let momentum: DVec3 = table.nodes.iter().map(|n| n.impulse_n_s).sum();
+        let change = |(i, n): (usize, &ContactNode)| table.change_m_s(i) / n.inverse_mass_per_kg;
+        let momentum: DVec3 = table.nodes.iter().enumerate().map(change).sum();
         assert!(momentum.length() < 1e-14);
     }
 

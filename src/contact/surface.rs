@@ -1,6 +1,7 @@
 //! What contact needs of a body's surface: triangles, edges, nodes, local sizes.
 
 use super::geometry::unit_normal;
+use super::twins::{CrackFaces, Twins};
 use crate::mesh::Surface;
 use glam::DVec3;
 
@@ -52,18 +53,20 @@ pub struct ContactSurface {
     neighbours: NodeLists,
     /// Triangles at each node of the body that are crack faces.
     crack_triangles: NodeLists,
+    /// Nodes that were one before they cracked.
+    pub(super) twins: Twins,
 }
 
-/// Lists of numbers, one per node, end to end.
+/// Lists of numbers, one per node (or whatever is counted), end to end.
 #[derive(Clone, Debug, Default)]
-struct NodeLists {
+pub(super) struct NodeLists {
     starts: Vec<u32>,
     entries: Vec<u32>,
 }
 
 impl NodeLists {
     /// From pairs of a node and an entry.
-    fn new(mut pairs: Vec<(u32, u32)>, node_count: usize) -> Self {
+    pub fn new(mut pairs: Vec<(u32, u32)>, node_count: usize) -> Self {
         pairs.sort_unstable();
         let mut starts = vec![0_u32; node_count + 1];
         pairs.iter().for_each(|(node, _)| starts[*node as usize + 1] += 1);
@@ -73,7 +76,7 @@ impl NodeLists {
         Self { starts, entries: pairs.into_iter().map(|p| p.1).collect() }
     }
 
-    fn of(&self, node: u32) -> &[u32] {
+    pub fn of(&self, node: u32) -> &[u32] {
         let [from, to] = [node, node + 1].map(|n| self.starts[n as usize] as usize);
         &self.entries[from..to]
     }
@@ -130,15 +133,23 @@ impl ContactSurface {
             crack_sides,
             neighbours,
             crack_triangles,
+            twins: Twins::default(),
         }
     }
 
     /// The same surface, of which these triangles are crack faces: one entry per triangle.
     #[must_use]
-    pub fn with_cracks(mut self, sides: Vec<Option<CrackSide>>) -> Self {
+    pub fn with_cracks(mut self, sides: Vec<Option<CrackSide>>, reference_m: &[DVec3]) -> Self {
         let cracked = (0_u32..).zip(&self.triangles).zip(&sides).filter(|(_, side)| side.is_some());
         let at_nodes = cracked.flat_map(|((triangle, nodes), _)| nodes.map(|node| (node, triangle)));
         self.crack_triangles = NodeLists::new(at_nodes.collect(), self.node_size_m.len());
+        self.twins = Twins::of(&CrackFaces {
+            triangles: &self.triangles,
+            sides: &sides,
+            at_nodes: &self.crack_triangles,
+            node_size_m: &self.node_size_m,
+            reference_m,
+        });
         self.crack_sides = sides;
         self
     }

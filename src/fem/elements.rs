@@ -4,6 +4,7 @@ use super::ElasticConstants;
 use super::kernel::BatchShape;
 use super::lanes::BATCH;
 use super::partition::{ChunkLayout, partition};
+use super::slots::NodeSlots;
 use super::stable_step::{element_step_s, stiffening};
 use crate::mesh::signed_volume_m3;
 use glam::DVec3;
@@ -56,9 +57,9 @@ pub enum FemError {
 #[derive(Clone, Debug)]
 pub struct ElementBatches {
     pub(super) chunks: Vec<Chunk>,
-    /// Of node `n`: `node_slots[node_starts[n]..node_starts[n + 1]]`.
-    pub(super) node_starts: Vec<u32>,
-    pub(super) node_slots: Vec<u32>,
+    /// Chunk of each element.
+    pub(super) chunk_of: Vec<u32>,
+    pub(super) node_slots: NodeSlots,
     pub(super) tets: Vec<[u32; 4]>,
     pub(super) constants: Vec<ElasticConstants>,
     /// Element masses, kg, in the caller's order.
@@ -98,7 +99,11 @@ impl ElementBatches {
     ) -> Result<Self, FemError> {
         check(reference_nodes_m, tets, constants)?;
         let layouts = partition(reference_nodes_m, tets);
-        let (node_starts, node_slots) = slots_of_nodes(reference_nodes_m.len(), &layouts);
+        let node_slots = NodeSlots::of(reference_nodes_m.len(), &layouts);
+        let mut chunk_of = vec![0; tets.len()];
+        for (chunk, layout) in (0_u32..).zip(&layouts) {
+            layout.elements.iter().for_each(|element| chunk_of[*element as usize] = chunk);
+        }
         let corners_m = |e: usize| tets[e].map(|node| reference_nodes_m[node as usize]);
         let chunks = layouts
             .into_par_iter()
@@ -112,7 +117,7 @@ impl ElementBatches {
             .collect();
         Ok(Self {
             chunks,
-            node_starts,
+            chunk_of,
             node_slots,
             tets: tets.to_vec(),
             constants: constants.to_vec(),
@@ -132,12 +137,12 @@ impl ElementBatches {
     /// Number of nodes.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.node_starts.len() - 1
+        self.node_slots.node_count()
     }
 }
 
 impl Chunk {
-    fn new(
+    pub(super) fn new(
         layout: ChunkLayout,
         nodes_m: &[DVec3],
         tets: &[[u32; 4]],
@@ -194,39 +199,30 @@ fn check(nodes_m: &[DVec3], tets: &[[u32; 4]], constants: &[ElasticConstants]) -
         return Err(FemError::ConstantsCount { constants: constants.len(), elements: tets.len() });
     }
     for (element, tet) in tets.iter().enumerate() {
-        let nodes = nodes_m.len();
-        if let Some(&node) = tet.iter().find(|&&node| node as usize >= nodes) {
-            return Err(FemError::NoSuchNode { element, node, nodes });
-        }
-        let corners_m = tet.map(|node| nodes_m[node as usize]);
-        let volume_m3 = signed_volume_m3(&corners_m);
-        let is_sound = gradients_per_m(&corners_m).iter().all(|g| g.is_finite());
-        if !(volume_m3 > 0.0 && is_sound) {
-            return Err(FemError::NoVolume { element, volume_m3 });
-        }
-        if !constants[element].is_sound() {
-            let constants = constants[element];
-            return Err(FemError::Constants { element, constants });
-        }
+        check_element(nodes_m, *tet, element, &constants[element])?;
     }
     Ok(())
 }
 
-/// Starts and entries of the list of slots of each node, in the order of the chunks.
-fn slots_of_nodes(nodes: usize, layouts: &[ChunkLayout]) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0_u32; nodes + 1];
-    let touches = || layouts.iter().flat_map(|layout| &layout.nodes);
-    for &node in touches() {
-        starts[node as usize + 1] += 1;
+/// Whether an element is sound.
+pub(super) fn check_element(
+    nodes_m: &[DVec3],
+    tet: [u32; 4],
+    element: usize,
+    constants: &ElasticConstants,
+) -> Result<(), FemError> {
+    let nodes = nodes_m.len();
+    if let Some(&node) = tet.iter().find(|&&node| node as usize >= nodes) {
+        return Err(FemError::NoSuchNode { element, node, nodes });
     }
-    for node in 0..nodes {
-        starts[node + 1] += starts[node];
+    let corners_m = tet.map(|node| nodes_m[node as usize]);
+    let volume_m3 = signed_volume_m3(&corners_m);
+    let is_sound = gradients_per_m(&corners_m).iter().all(|g| g.is_finite());
+    if !(volume_m3 > 0.0 && is_sound) {
+        return Err(FemError::NoVolume { element, volume_m3 });
     }
-    let mut next = starts.clone();
-    let mut slots = vec![0; starts[nodes] as usize];
-    for (slot, &node) in touches().enumerate() {
-        slots[next[node as usize] as usize] = slot as u32;
-        next[node as usize] += 1;
+    if !constants.is_sound() {
+        return Err(FemError::Constants { element, constants: *constants });
     }
-    (starts, slots)
+    Ok(())
 }

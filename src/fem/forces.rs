@@ -73,14 +73,13 @@ impl ElementBatches {
     ) -> ElasticState {
         assert_eq!(positions_m.len(), self.node_count(), "one position per node");
         assert_eq!(forces_n.len(), self.node_count(), "one force per node");
-        scratch.slots.resize(self.node_slots.len(), DVec3::ZERO);
+        scratch.slots.resize(self.chunks.len() * CHUNK_NODES, DVec3::ZERO);
         scratch.totals.resize(self.chunks.len(), (0.0, 0.0));
         let is_large = self.chunks.len() >= PREFETCH_CHUNKS;
-        let mut rest = scratch.slots.as_mut_slice();
-        let work = self.chunks.iter().enumerate().zip(scratch.totals.iter_mut());
-        let pieces = work.map(|((index, chunk), totals)| {
-            let (slots, tail) = std::mem::take(&mut rest).split_at_mut(chunk.layout.nodes.len());
-            rest = tail;
+        let slots = scratch.slots.chunks_mut(CHUNK_NODES);
+        let work = self.chunks.iter().enumerate().zip(slots).zip(scratch.totals.iter_mut());
+        let pieces = work.map(|(((index, chunk), slots), totals)| {
+            let slots = &mut slots[..chunk.layout.nodes.len()];
             let ahead = is_large.then(|| Ahead { next: self.chunks.get(index + 1), positions_m });
             (ChunkForces { chunk, positions_m, kinematics, ahead, slots }, totals)
         });
@@ -105,10 +104,9 @@ impl ElementBatches {
 
     fn sum_slots(&self, slots: &[DVec3], forces_n: &mut [DVec3]) {
         let run = |(task, forces_n): (usize, &mut [DVec3])| {
-            let starts = &self.node_starts[task * TASK_NODES..];
-            for (force_n, range) in forces_n.iter_mut().zip(starts.windows(2)) {
-                let slots_of_node = &self.node_slots[range[0] as usize..range[1] as usize];
-                *force_n = slots_of_node.iter().fold(DVec3::ZERO, |sum, &slot| sum + slots[slot as usize]);
+            for (force_n, node) in forces_n.iter_mut().zip(task * TASK_NODES..) {
+                let of_node = self.node_slots.slots(node).iter();
+                *force_n = of_node.fold(DVec3::ZERO, |sum, &slot| sum + slots[slot as usize]);
             }
         };
         if self.runs_parallel() {

@@ -27,7 +27,8 @@ pub(super) fn partition(nodes_m: &[DVec3], tets: &[[u32; 4]]) -> Vec<ChunkLayout
     let mut chunk = ChunkLayout::default();
     // The last chunk that touched each node, counted from 1.
     let mut touched_by = vec![0_u32; nodes_m.len()];
-    for element in curve_order(nodes_m, tets) {
+    let all: Vec<u32> = (0..tets.len() as u32).collect();
+    for element in curve_order(nodes_m, tets, &all) {
         let tet = &tets[element as usize];
         if chunk.elements.len() == CHUNK_ELEMENTS || chunk.nodes.len() + 4 > CHUNK_NODES {
             chunks.push(std::mem::take(&mut chunk));
@@ -49,20 +50,30 @@ pub(super) fn partition(nodes_m: &[DVec3], tets: &[[u32; 4]]) -> Vec<ChunkLayout
     chunks
 }
 
+/// The same for some of the elements, which fill one chunk or a little more: as few chunks of about equal size as will do.
+pub(super) fn layouts_of(nodes_m: &[DVec3], tets: &[[u32; 4]], elements: Vec<u32>) -> Vec<ChunkLayout> {
+    let mut nodes: Vec<u32> = elements.iter().flat_map(|&e| tets[e as usize]).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    if elements.len() <= CHUNK_ELEMENTS && nodes.len() <= CHUNK_NODES {
+        return vec![ChunkLayout { elements, nodes }];
+    }
+    let order = curve_order(nodes_m, tets, &elements);
+    let halves = order.split_at(order.len() / 2);
+    [halves.0, halves.1].into_iter().flat_map(|half| layouts_of(nodes_m, tets, half.to_vec())).collect()
+}
+
 /// Elements along the Morton curve of their centres; ties in their own order.
-fn curve_order(nodes_m: &[DVec3], tets: &[[u32; 4]]) -> Vec<u32> {
-    let centre = |tet: &[u32; 4]| -> DVec3 { tet.iter().map(|&n| nodes_m[n as usize]).sum() };
-    let bounds = tets
+fn curve_order(nodes_m: &[DVec3], tets: &[[u32; 4]], elements: &[u32]) -> Vec<u32> {
+    let centre =
+        |element: &u32| -> DVec3 { tets[*element as usize].iter().map(|&n| nodes_m[n as usize]).sum() };
+    let bounds = elements
         .iter()
         .map(centre)
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let side = (bounds.1 - bounds.0).max_element().max(f64::MIN_POSITIVE);
-    let mut keys: Vec<(u64, u32)> = (0..tets.len() as u32)
-        .map(|element| {
-            let place = (centre(&tets[element as usize]) - bounds.0) / side;
-            (morton_code(place), element)
-        })
-        .collect();
+    let mut keys: Vec<(u64, u32)> =
+        elements.iter().map(|element| (morton_code((centre(element) - bounds.0) / side), *element)).collect();
     keys.sort_unstable();
     keys.into_iter().map(|(_, element)| element).collect()
 }

@@ -21,11 +21,11 @@ use glam::{DMat3, DVec3};
 const SHARING_ROUNDS: usize = 3;
 
 /// A way to share the masses of the nodes among their elements.
-struct Sharing {
+pub(super) struct Sharing {
     /// Each node gives its elements mass in proportion to these.
-    weights: Vec<f64>,
+    pub weights: Vec<f64>,
     /// `lambda_max(M_e^-1 K_e)` of each element, 1/s2.
-    eigenvalues: Vec<f64>,
+    pub eigenvalues: Vec<f64>,
     largest: f64,
 }
 
@@ -110,7 +110,7 @@ impl ElementBatches {
     }
 
     /// The sharing with the lowest largest eigenvalue among those tried.
-    fn best_sharing(&self, node_masses_kg: &[f64]) -> Sharing {
+    pub(super) fn best_sharing(&self, node_masses_kg: &[f64]) -> Sharing {
         let mut best = self.share(node_masses_kg, self.masses_kg.clone());
         for _ in 1..SHARING_ROUNDS {
             // Elements that came out stiff get a larger share of their nodes.
@@ -133,14 +133,11 @@ impl ElementBatches {
             }
         }
         let eigenvalues = self.map_elements(|element, gradients_per_m| {
-            let gram = (0..4).fold(DMat3::ZERO, |sum, corner| {
-                let node = self.tets[element][corner] as usize;
-                let share = weights[element] / weights_at_nodes[node];
-                sum + outer(gradients_per_m[corner]) * (node_masses_kg[node] * share).recip()
+            let corner_kg = self.tets[element].map(|node| {
+                let share = weights[element] / weights_at_nodes[node as usize];
+                node_masses_kg[node as usize] * share
             });
-            let constants = &self.constants[element];
-            let volume_m3 = self.masses_kg[element] / constants.density_kg_m3;
-            volume_m3 * stiffness_eigenvalue(&gram, constants)
+            sharing_eigenvalue(self, element, &gradients_per_m, corner_kg)
         });
         Sharing { largest: eigenvalues.iter().copied().fold(0.0, f64::max), weights, eigenvalues }
     }
@@ -157,6 +154,20 @@ impl ElementBatches {
     pub fn green_step_factor(&self, max_strain: f64) -> f64 {
         (1.0 + self.stiffening * max_strain).sqrt().recip()
     }
+}
+
+/// `lambda_max(M_e^-1 K_e)` of an element with these masses at its corners, 1/s2.
+pub(super) fn sharing_eigenvalue(
+    elements: &ElementBatches,
+    element: usize,
+    gradients_per_m: &[DVec3; 4],
+    corner_kg: [f64; 4],
+) -> f64 {
+    let parts = gradients_per_m.iter().zip(corner_kg);
+    let gram = parts.fold(DMat3::ZERO, |sum, (&g, kg)| sum + outer(g) * kg.recip());
+    let constants = &elements.constants[element];
+    let volume_m3 = elements.masses_kg[element] / constants.density_kg_m3;
+    volume_m3 * stiffness_eigenvalue(&gram, constants)
 }
 
 /// The coefficient of strain in [`ElementBatches::green_step_factor`].

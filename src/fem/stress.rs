@@ -1,7 +1,7 @@
 //! Stress and energy element by element, and the search for what is not finite. Plain code: it runs when a
 //! picture or a row of data is asked for, not in every step; the tests hold the fast kernel against it.
 
-use super::elements::Chunk;
+use super::elements::{Chunk, gradients_per_m};
 use super::lanes::BATCH;
 use super::{ElementBatches, ElementKinematics, ForceScratch};
 use glam::{DMat3, DVec3};
@@ -90,6 +90,27 @@ impl ElementBatches {
     pub fn strain_energy_j(&self, positions_m: &[DVec3], kinematics: ElementKinematics) -> f64 {
         let energies_j = self.element_energies_j(positions_m, kinematics);
         energies_j.iter().fold(0.0, |sum, energy| sum + energy)
+    }
+
+    /// Elastic force of one element on its corners, N: `-V_0 F S grad_X N_a` for `green`, `-V_0 R s grad_X N_a` for
+    /// `body-frame`; with its reference corners, m. What [`Self::forces`] adds up, element by element.
+    #[must_use]
+    pub fn element_forces_n(
+        &self,
+        element: u32,
+        reference_m: &[DVec3; 4],
+        positions_m: &[DVec3],
+        kinematics: ElementKinematics,
+    ) -> [DVec3; 4] {
+        let element = element as usize;
+        let gradients_per_m = gradients_per_m(reference_m);
+        let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
+        let volume_m3 = self.masses_kg[element] / self.constants[element].density_kg_m3;
+        let frame = match kinematics {
+            ElementKinematics::Green => at.gradient,
+            ElementKinematics::BodyFrame { rotation } => rotation,
+        };
+        gradients_per_m.map(|g| frame * (at.stress_pa * g) * -volume_m3)
     }
 
     /// The first node, else the first element, that is not finite. To be asked only once

@@ -4,6 +4,7 @@
 //! the tip alone. Else the elements beside a crack, not yet relieved, would line it with others.
 
 use super::cut::ends_here;
+use super::pace::Growth;
 use super::plane::upward;
 use super::propagate::{Failure, PropagationRule, sort_and_dedup};
 use super::solid::{Solid, SurfaceFace};
@@ -26,6 +27,12 @@ pub(super) struct Candidate {
     is_tip: bool,
     /// Sum of the failure indices that ask for it.
     severity: f64,
+}
+
+impl Candidate {
+    pub fn growth(&self) -> Growth {
+        if self.is_tip { Growth::GoesOn } else { Growth::Starts }
+    }
 }
 
 impl Solid {

@@ -31,7 +31,7 @@ pub use changes::{Changes, LimitsReached, NewElement, NewFragment, NodeBirth, No
 pub use criterion::{Assessment, Criterion, CriterionError, FailureRule, Strength};
 pub use formula::{Formula, FormulaError, FormulaProblem};
 pub use fragments::{Fragment, Fragments};
-pub use pace::CrackPace;
+pub use pace::{CrackPace, Growth};
 pub use plane::PlaneRule;
 pub use propagate::{Failure, FractureLimits, Propagation, PropagationRule, SMALLEST_FRAGMENT_ELEMENTS};
 pub use solid::{Face, NodeState, Solid, SolidError, SurfaceFace};

@@ -1,6 +1,7 @@
 //! One step of crack growth: which nodes are cut, by which planes (METHOD 7).
 
 use super::changes::Changes;
+use super::pace::Growth;
 use super::solid::{Face, NodeState, Solid};
 use glam::DVec3;
 
@@ -99,7 +100,7 @@ impl Solid {
     /// Nodes at which a crack ends come first, then those with the greatest sums of failure
     /// indices; no element takes part in
     /// two cuts of one call. A node is cut only if `may_crack` allows it for every element around
-    /// it: the place to limit the speed of cracks ([`super::CrackPace`]) or to spare a region.
+    /// it: the place to limit the speed of cracks and their number ([`super::CrackPace`]) or to spare a region.
     /// The work grows with the number of failures and of cuts, not with the body.
     ///
     /// `nodes` must hold as many entries as there are nodes.
@@ -108,12 +109,12 @@ impl Solid {
         nodes: NodeState<'_>,
         failures: &[Failure],
         settings: &Propagation,
-        may_crack: impl Fn(u32) -> bool,
+        may_crack: impl Fn(u32, Growth) -> bool,
     ) -> Changes {
         let candidates = self.candidates(nodes.positions_m, failures, settings.rule);
         let mut surgery = Surgery::begin(self, nodes, settings);
         for candidate in candidates {
-            if surgery.is_free(candidate.node, &may_crack)
+            if surgery.is_free(candidate.node, |element| may_crack(element, candidate.growth()))
                 && !surgery.cut_node(candidate.node, candidate.normal)
             {
                 surgery.solid.vain_call[candidate.node as usize] = surgery.solid.calls;

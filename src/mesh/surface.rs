@@ -81,32 +81,33 @@ impl Surface {
     #[must_use]
     pub fn of(tets: &[[u32; 4]]) -> Self {
         let faces = sorted_faces(tets);
-        let mut boundary: Vec<FaceKey> = Vec::new();
+        let mut behind = vec![[None; 4]; tets.len()];
         let mut overused_faces = 0;
-        for group in faces.chunk_by(|&a, &b| same_face(a, b)) {
-            match group {
-                [only] => boundary.push(*only),
-                [_, _] => {}
-                _ => overused_faces += 1,
+        for group in faces.chunk_by(|&a, &b| same_face(a, b)).filter(|group| group.len() > 1) {
+            overused_faces += usize::from(group.len() > 2);
+            for (place, key) in group.iter().enumerate() {
+                let (tet, face) = tet_and_face(*key);
+                behind[tet as usize][face] = Some(tet_and_face(group[usize::from(place == 0)]).0);
             }
         }
-        boundary.sort_unstable_by_key(|&key| tet_and_face(key));
-        let (triangles, triangle_tet): (Vec<_>, Vec<_>) = boundary
-            .iter()
-            .map(|&key| {
-                let (tet, face) = tet_and_face(key);
-                let corners = tets[tet as usize];
-                (TET_FACES[face].map(|corner| corners[corner]), tet)
-            })
-            .unzip();
-        let mut surface = Self {
-            nodes: used_nodes(&triangles),
-            triangles,
-            triangle_tet,
-            overused_faces,
-            ..Self::default()
-        };
-        surface.find_edges(tets, &faces);
+        Self { overused_faces, ..Self::of_neighbours(tets, |tet, face| behind[tet as usize][face]) }
+    }
+
+    /// The boundary of a mesh of which it is known which tetrahedron lies behind each face (of the tetrahedron, as in
+    /// [`TET_FACES`]): the faces that have none behind them.
+    #[must_use]
+    pub fn of_neighbours(tets: &[[u32; 4]], neighbour: impl Fn(u32, usize) -> Option<u32>) -> Self {
+        let mut surface = Self::default();
+        for (tet, corners) in (0_u32..).zip(tets) {
+            for (face, places) in TET_FACES.iter().enumerate() {
+                if neighbour(tet, face).is_none() {
+                    surface.triangles.push(places.map(|place| corners[place]));
+                    surface.triangle_tet.push(tet);
+                }
+            }
+        }
+        surface.nodes = used_nodes(&surface.triangles);
+        surface.find_edges(tets, &neighbour);
         surface
     }
 
@@ -116,7 +117,7 @@ impl Surface {
         self.open_edges == 0
     }
 
-    fn find_edges(&mut self, tets: &[[u32; 4]], faces: &[FaceKey]) {
+    fn find_edges(&mut self, tets: &[[u32; 4]], neighbour: &impl Fn(u32, usize) -> Option<u32>) {
         let mut sides: Vec<([u32; 2], u32)> = (0_u32..)
             .zip(&self.triangles)
             .flat_map(|(t, &[a, b, c])| [[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], t)))
@@ -129,7 +130,7 @@ impl Surface {
             match *group {
                 [(_, first)] => self.push_edge(nodes, [first, first]),
                 [(_, first), (_, second)] => self.push_edge(nodes, [first, second]),
-                _ => self.pair_through_solid(group, &FaceLookup { tets, faces }),
+                _ => self.pair_through_solid(group, tets, neighbour),
             }
         }
     }
@@ -140,12 +141,17 @@ impl Surface {
 
     /// Pairs the triangles of an edge with more than two of them: those at the two ends of one fan
     /// of tetrahedra around the edge belong together.
-    fn pair_through_solid(&mut self, group: &[([u32; 2], u32)], lookup: &FaceLookup<'_>) {
+    fn pair_through_solid(
+        &mut self,
+        group: &[([u32; 2], u32)],
+        tets: &[[u32; 4]],
+        neighbour: &impl Fn(u32, usize) -> Option<u32>,
+    ) {
         let nodes = group[0].0;
         for &(_, triangle) in group {
             let corners = self.triangles[triangle as usize];
             let tet = self.triangle_tet[triangle as usize];
-            let end = lookup.other_end_of_fan(nodes, corners, tet);
+            let end = other_end_of_fan((nodes, corners, tet), tets, neighbour);
             let partner = group
                 .iter()
                 .map(|side| side.1)
@@ -159,39 +165,24 @@ impl Surface {
     }
 }
 
-/// Finds the tetrahedra on the two sides of a face.
-struct FaceLookup<'a> {
-    tets: &'a [[u32; 4]],
-    faces: &'a [FaceKey],
-}
-
-impl FaceLookup<'_> {
-    /// Walks from boundary triangle `triangle` of `tet` around `edge` through the solid; returns
-    /// the boundary triangle where the walk ends, or `None` in an unsound mesh.
-    fn other_end_of_fan(&self, edge: [u32; 2], triangle: [u32; 3], mut tet: u32) -> Option<[u32; 3]> {
-        let mut apex = triangle.into_iter().find(|n| !edge.contains(n))?;
-        for _ in 0..self.tets.len() {
-            let corners = self.tets[tet as usize];
-            apex = corners.into_iter().find(|n| !edge.contains(n) && *n != apex)?;
-            let face = [edge[0], edge[1], apex];
-            match self.neighbour(face, tet) {
-                Some(next) => tet = next,
-                None => return Some(face),
-            }
+/// Walks from boundary triangle `triangle` of `tet` around `edge` through the solid; returns the boundary triangle
+/// where the walk ends, or `None` in an unsound mesh.
+fn other_end_of_fan(
+    (edge, triangle, mut tet): ([u32; 2], [u32; 3], u32),
+    tets: &[[u32; 4]],
+    neighbour: &impl Fn(u32, usize) -> Option<u32>,
+) -> Option<[u32; 3]> {
+    let mut apex = triangle.into_iter().find(|n| !edge.contains(n))?;
+    for _ in 0..tets.len() {
+        let corners = tets[tet as usize];
+        let left_behind = corners.iter().position(|n| *n == apex)?;
+        apex = corners.into_iter().find(|n| !edge.contains(n) && *n != apex)?;
+        match neighbour(tet, left_behind) {
+            Some(next) => tet = next,
+            None => return Some([edge[0], edge[1], apex]),
         }
-        None
     }
-
-    /// The tetrahedron on the other side of `face` of `tet`.
-    fn neighbour(&self, face: [u32; 3], tet: u32) -> Option<u32> {
-        let key = face_key(face, 0);
-        let first = self.faces.partition_point(|&other| other < key);
-        self.faces[first..]
-            .iter()
-            .take_while(|&&other| same_face(other, key))
-            .map(|&other| tet_and_face(other).0)
-            .find(|&other| other != tet)
-    }
+    None
 }
 
 fn same_nodes(mut a: [u32; 3], mut b: [u32; 3]) -> bool {

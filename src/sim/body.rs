@@ -42,6 +42,13 @@ pub(super) struct Load {
     pub ramp_s: f64,
 }
 
+impl Load {
+    /// Share of the full force at a time.
+    pub fn share(&self, time_s: f64) -> f64 {
+        if self.ramp_s > 0.0 { (time_s / self.ramp_s).clamp(0.0, 1.0) } else { 1.0 }
+    }
+}
+
 /// Energies that left or entered the body, J, since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Ledger {
@@ -109,6 +116,7 @@ pub(super) struct Body {
     /// Arms of the nodes from the reference centre of mass, m.
     pub arms_m: Vec<DVec3>,
     pub radius_m: f64,
+    /// By ascending node.
     pub prescribed: Vec<PrescribedNode>,
     pub loads: Vec<Load>,
     pub position_m: Vec<DVec3>,
@@ -186,6 +194,8 @@ impl Body {
                 }
             }
         }
+        // Of several conditions on a node the last one counts.
+        self.prescribed.sort_by_key(|p| p.node);
     }
 
     fn prescribe(&mut self, nodes: &[u32], velocity_m_s: DVec3, axes: [bool; 3]) {
@@ -210,6 +220,12 @@ impl Body {
             self.velocity_m_s.fill(DVec3::ZERO);
         }
         self.enforce_prescribed_velocities();
+    }
+
+    /// How a node is held.
+    pub fn prescribed_at(&self, node: u32) -> &[PrescribedNode] {
+        let [from, to] = [node, node + 1].map(|n| self.prescribed.partition_point(|p| p.node < n));
+        &self.prescribed[from..to]
     }
 
     /// Sets the prescribed velocities of nodes.

@@ -1,7 +1,6 @@
 //! Breaking: what fails after an elastic step is cut, and the body's arrays follow (METHOD 6 and 7).
 //!
-//! One body keeps all its fragments: elements and nodes are only ever added. After cuts its elements, masses, surface and
-//! stable step are built anew, at most once a step.
+//! One body keeps all its fragments: elements and nodes are only ever added (see `follow`).
 //!
 //! Failure is looked for at the end of steps, as often as the fastest crack needs to cross half the smallest altitude of the
 //! mesh as given: between two looks no crack could have gone on. A look costs nothing where no chunk of elements is strained as
@@ -11,24 +10,18 @@ use super::body::Body;
 use super::elastic::StepContext;
 use super::release::Releases;
 use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, NEVER_FAILED_S, SimError};
-use crate::contact::{ContactSurface, CrackSide};
-use crate::fem::{ElasticConstants, ElementBatches};
+use crate::fem::{ElasticConstants, StepBound};
 use crate::fracture::{
-    Changes, CrackPace, Criterion, CriterionError, Face, Failure, FractureLimits, LimitsReached, NodeBirth,
-    NodeState, PrincipalStress, Propagation, Solid, StressMeasures,
+    Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, Growth, LimitsReached, NodeState,
+    PrincipalStress, Propagation, Solid, StressMeasures,
 };
-use crate::math::{MassProperties, symmetric_eigenvalues_estimate};
-use crate::mesh::Surface;
+use crate::math::symmetric_eigenvalues_estimate;
 use glam::{DMat3, DVec3};
 
-/// No cut leaves an element with a smaller altitude than this share of the smallest one in the mesh as given.
-const ALTITUDE_SHARE: f64 = 0.25;
 /// Crack speed over the slowest shear wave's, when the scene does not say.
 const CRACK_SPEED_SHARE: f64 = 0.5;
 /// Time between looks for failure in crossings of the smallest altitude by the fastest crack.
 const LOOK_SHARE: f64 = 0.5;
-/// Time in which a crack opens over the time in which it runs past the elements around its node.
-const RELEASE_SHARE: f64 = 0.5;
 /// Failure index of the estimated principal stresses below which an element does not fail for certain.
 const SURELY_WHOLE: f64 = 0.99;
 /// Allowance of the strain filter for what moved since the strain was measured.
@@ -39,8 +32,6 @@ pub(super) struct Breaking {
     pub solid: Solid,
     /// By material of the body.
     criteria: Vec<Option<Criterion>>,
-    /// By material of the body.
-    constants: Vec<ElasticConstants>,
     /// By element of the mesh as given.
     origin_material: Vec<u32>,
     propagation: Propagation,
@@ -56,9 +47,11 @@ pub(super) struct Breaking {
     /// By element: when it first took part in a crack, s; [`super::NEVER_FAILED_S`] before.
     pub failure_times_s: Vec<f64>,
     pub limits: LimitsReached,
-    /// Nodes of each fragment, ascending.
-    fragment_nodes: Vec<Vec<u32>>,
-    crack_speed_m_s: f64,
+    /// By node: the fragment that it belongs to.
+    fragment_of_node: Vec<u32>,
+    pub crack_speed_m_s: f64,
+    /// The stable step of the body as cut, once it has been.
+    pub step_bound: Option<StepBound>,
     /// Cracks that are opening.
     pub releases: Releases,
 }
@@ -89,8 +82,9 @@ impl Breaking {
         let constants = super::body::elastic_constants(setup)?;
         let of_element = |e: usize| constants[setup.element_material[e] as usize];
         let density: Vec<f64> = (0..setup.mesh.tets.len()).map(|e| of_element(e).density_kg_m3).collect();
+        let altitude_share = parameters.smallest_altitude_share;
         let solid =
-            Solid::new(&setup.mesh, &density, ALTITUDE_SHARE).map_err(|error| fail(error.to_string()))?;
+            Solid::new(&setup.mesh, &density, altitude_share).map_err(|error| fail(error.to_string()))?;
         let crack_speed_m_s = parameters.crack_speed_m_s.unwrap_or_else(|| {
             let shear_m_s = constants.iter().map(|c| (c.mu_pa / c.density_kg_m3).sqrt());
             CRACK_SPEED_SHARE * shear_m_s.fold(f64::INFINITY, f64::min)
@@ -100,49 +94,34 @@ impl Breaking {
             Some(safe_strain(criterion.as_ref()?.safe_norm_pa(), constants))
         });
         let safe_strain = safe_strains.fold(f64::INFINITY, f64::min);
-        let mut breaking = Self {
+        Ok(Some(Self {
             propagation: propagation(&solid, parameters),
-            pace: CrackPace::new(crack_speed_m_s, solid.tets().len()),
+            pace: CrackPace::new(crack_speed_m_s, parameters.crack_spacing_elements, solid.tets().len()),
             first_fragments: solid.fragments().list().len(),
             safe_strain,
-            look_every_s: LOOK_SHARE * solid.altitude_floor_m() / ALTITUDE_SHARE / crack_speed_m_s,
+            look_every_s: LOOK_SHARE * solid.altitude_floor_m() / altitude_share / crack_speed_m_s,
             next_look_s: 0.0,
             crack_area_m2: 0.0,
             failure_times_s: vec![NEVER_FAILED_S; solid.tets().len()],
             limits: LimitsReached::default(),
-            fragment_nodes: Vec::new(),
+            fragment_of_node: (0..solid.node_count() as u32).map(|n| fragment_of_node(&solid, n)).collect(),
             crack_speed_m_s,
+            step_bound: None,
             releases: Releases::default(),
             origin_material: setup.element_material.clone(),
             criteria,
-            constants,
             solid,
-        };
-        breaking.sort_nodes();
-        Ok(Some(breaking))
+        }))
     }
 
     /// Whether the body has come apart.
     pub fn is_broken(&self) -> bool {
-        self.fragment_nodes.len() > self.first_fragments
+        self.solid.fragments().list().len() > self.first_fragments
     }
 
-    /// Nodes of each fragment, ascending.
-    pub fn fragment_nodes(&self) -> &[Vec<u32>] {
-        &self.fragment_nodes
-    }
-
-    /// What of a crack each triangle of the boundary is.
-    fn crack_sides(&self, boundary: &Surface) -> Vec<Option<CrackSide>> {
-        let side = |(triangle, tet): (&[u32; 3], &u32)| {
-            let corners = self.solid.tets()[*tet as usize];
-            let face = corners.iter().position(|corner| !triangle.contains(corner))?;
-            match self.solid.faces()[*tet as usize][face] {
-                Face::Crack { pair, above } => Some(CrackSide { pair, above }),
-                Face::Boundary | Face::Inner(_) => None,
-            }
-        };
-        boundary.triangles.iter().zip(&boundary.triangle_tet).map(side).collect()
+    /// The fragment that each node belongs to; not below their number for a node without elements.
+    pub fn fragment_of_node(&self) -> &[u32] {
+        &self.fragment_of_node
     }
 
     /// Material of an element, an index into the body's materials.
@@ -183,7 +162,7 @@ impl Breaking {
     }
 
     fn take_note(&mut self, changes: &Changes, time_s: f64) {
-        self.pace.record(changes, time_s);
+        self.pace.record(&self.solid, changes, time_s);
         self.note_failure_times(changes, time_s);
         let reference_m = self.solid.reference_m();
         for face in &changes.crack_faces {
@@ -191,7 +170,7 @@ impl Breaking {
             // Both sides are listed, a quarter of the cross product each.
             self.crack_area_m2 += 0.25 * (b - a).cross(c - a).length();
         }
-        self.sort_nodes();
+        self.sort_nodes(changes);
     }
 
     /// An element takes part in a crack when one of its faces opens, or one of a part cut from it.
@@ -220,16 +199,23 @@ impl Breaking {
         }
     }
 
-    fn sort_nodes(&mut self) {
-        let fragments = self.solid.fragments();
-        let mut nodes = vec![Vec::new(); fragments.list().len()];
-        for node in 0..self.solid.node_count() as u32 {
-            if let Some(element) = self.solid.elements_at(node).first() {
-                nodes[fragments.of_element()[*element as usize] as usize].push(node);
-            }
+    fn sort_nodes(&mut self, changes: &Changes) {
+        let tets = self.solid.tets();
+        let of_fragments = changes.new_fragments.iter().flat_map(|new| &new.elements);
+        let moved = of_fragments.flat_map(|element| tets[*element as usize]);
+        self.fragment_of_node.resize(self.solid.node_count(), NO_FRAGMENT);
+        for node in changes.touched_nodes.iter().copied().chain(moved) {
+            self.fragment_of_node[node as usize] = fragment_of_node(&self.solid, node);
         }
-        self.fragment_nodes = nodes;
     }
+}
+
+/// Stands for the fragment of a node without elements.
+const NO_FRAGMENT: u32 = u32::MAX;
+
+fn fragment_of_node(solid: &Solid, node: u32) -> u32 {
+    let of_element = solid.fragments().of_element();
+    solid.elements_at(node).first().map_or(NO_FRAGMENT, |element| of_element[*element as usize])
 }
 
 fn propagation(solid: &Solid, parameters: &FractureParameters) -> Propagation {
@@ -275,45 +261,15 @@ impl Body {
         let Some(breaking) = self.breaking.as_mut().filter(|_| !failures.is_empty()) else { return Ok(None) };
         let nodes = NodeState { positions_m: &mut self.position_m, velocities_m_s: &mut self.velocity_m_s };
         let pace = &breaking.pace;
-        let may_crack = |element: u32| pace.may_crack(element, time_s);
+        let may_crack = |element: u32, growth: Growth| pace.may_crack(element, growth, time_s);
         let changes = breaking.solid.propagate(nodes, &failures, &breaking.propagation, may_crack);
         breaking.limits += changes.limits;
         if changes.is_empty() {
             return Ok(None);
         }
         breaking.take_note(&changes, time_s);
-        self.follow(&changes)?;
-        self.hold_crack_faces(context, &changes)?;
+        self.follow(context, &changes)?;
         Ok(Some(changes))
-    }
-
-    /// Holds the nodes of the changed elements as they were before the cuts; see [`super::release`].
-    fn hold_crack_faces(&mut self, context: &StepContext, changes: &Changes) -> Result<(), SimError> {
-        let mut before = std::mem::take(&mut self.acceleration_m_s2);
-        for birth in &changes.new_nodes {
-            before.push(match *birth {
-                NodeBirth::TwinOf(parent) => before[parent as usize],
-                NodeBirth::OnEdge { ends: [a, b], weight } => {
-                    before[a as usize].lerp(before[b as usize], weight)
-                }
-            });
-        }
-        self.acceleration_m_s2 = vec![DVec3::ZERO; before.len()];
-        self.update_acceleration(context)?;
-        let Some(breaking) = &mut self.breaking else { return Ok(()) };
-        let held_n = |node: u32| {
-            let is_free = self.inverse_mass_per_kg[node as usize].cmpgt(DVec3::ZERO);
-            let change = before[node as usize] - self.acceleration_m_s2[node as usize];
-            (node, DVec3::select(is_free, change, DVec3::ZERO) * self.mass_kg[node as usize])
-        };
-        let held_n = changes.touched_nodes.iter().map(|node| held_n(*node)).collect();
-        let reach_m = changes.cuts.iter().map(|cut| cut.reach_m).fold(f64::INFINITY, f64::min);
-        let duration_s = RELEASE_SHARE * reach_m / breaking.crack_speed_m_s;
-        if duration_s.is_finite() {
-            breaking.releases.add(context.time_s, duration_s, held_n);
-            self.acceleration_m_s2 = before;
-        }
-        Ok(())
     }
 
     fn failures(&self, time_s: f64) -> Result<Vec<Failure>, SimError> {
@@ -328,83 +284,13 @@ impl Body {
         );
         let mut failures = Vec::new();
         // An element that waits (see `CrackPace`) keeps all of its nodes whole: its failure would change nothing.
-        for (element, cauchy_pa) in strained.iter().filter(|(e, _)| breaking.pace.may_crack(*e, time_s)) {
+        let may_go_on = |element: u32| breaking.pace.may_crack(element, Growth::GoesOn, time_s);
+        for (element, cauchy_pa) in strained.iter().filter(|(e, _)| may_go_on(*e)) {
             let failure = breaking.failure(*element, cauchy_pa, &self.position_m).map_err(|error| {
                 SimError::Criterion { body: self.name.clone(), element: *element, time_s, error }
             })?;
             failures.extend(failure);
         }
         Ok(failures)
-    }
-
-    /// Brings everything that is kept per node or element up to date with the cuts.
-    fn follow(&mut self, changes: &Changes) -> Result<(), SimError> {
-        let Some(breaking) = &self.breaking else { return Ok(()) };
-        let solid = &breaking.solid;
-        self.reference_m = solid.reference_m().to_vec();
-        self.tets = solid.tets().to_vec();
-        self.mass_kg = (0..solid.node_count() as u32).map(|n| solid.node_mass_kg(n)).collect();
-        let constants: Vec<ElasticConstants> =
-            (0..self.tets.len() as u32).map(|e| breaking.constants[breaking.material(e) as usize]).collect();
-        let elements = ElementBatches::new(&self.reference_m, &self.tets, &constants)
-            .map_err(|e| SimError::Setup(format!("body `{}` after fracture: {e}", self.name)))?;
-        if let Some(elasticity) = &mut self.elasticity {
-            elasticity.critical_step_s = elements.stable_step_s(&self.mass_kg);
-            elasticity.elements = elements;
-        }
-        self.ledger.dropped_j += changes.kinetic_energy_lost_j;
-        self.boundary = Surface::of(&self.tets);
-        let sides = breaking.crack_sides(&self.boundary);
-        self.surface = ContactSurface::new(&self.boundary, &self.reference_m).with_cracks(sides);
-        self.follow_supports(changes);
-        self.follow_loads(changes);
-        self.force_n.resize(self.reference_m.len(), DVec3::ZERO);
-        self.reference = MassProperties::of_points(&self.mass_kg, &self.reference_m);
-        self.arms_m = self.reference_m.iter().map(|x| *x - self.reference.centre_m).collect();
-        let sizes = &self.surface.triangle_size_m;
-        self.mean_size_m = sizes.iter().sum::<f64>() / sizes.len().max(1) as f64;
-        Ok(())
-    }
-
-    /// New nodes are held as their parents are: twins as the node they were one with, nodes on an edge as far as both of
-    /// its ends are.
-    fn follow_supports(&mut self, changes: &Changes) {
-        for (node, birth) in (changes.first_node..).zip(&changes.new_nodes) {
-            let of = |node: u32| self.prescribed.iter().filter(move |p| p.node == node).copied();
-            let inherited: Vec<_> = match *birth {
-                NodeBirth::TwinOf(parent) => of(parent).collect(),
-                NodeBirth::OnEdge { ends: [a, b], .. } => of(a)
-                    .filter_map(|mut p| {
-                        let other = of(b).find(|q| q.velocity_m_s == p.velocity_m_s)?;
-                        p.axes = std::array::from_fn(|i| p.axes[i] && other.axes[i]);
-                        p.axes.contains(&true).then_some(p)
-                    })
-                    .collect(),
-            };
-            self.prescribed.extend(inherited.into_iter().map(|p| super::body::PrescribedNode { node, ..p }));
-        }
-        self.inverse_mass_per_kg = self.mass_kg.iter().map(|m| DVec3::splat(1.0 / m)).collect();
-        for p in &self.prescribed {
-            let inverse = &mut self.inverse_mass_per_kg[p.node as usize];
-            *inverse = DVec3::select(glam::BVec3::from_array(p.axes), DVec3::ZERO, *inverse);
-        }
-    }
-
-    /// A force on a node that has been doubled is shared by mass.
-    fn follow_loads(&mut self, changes: &Changes) {
-        for (twin, birth) in (changes.first_node..).zip(&changes.new_nodes) {
-            let NodeBirth::TwinOf(parent) = *birth else { continue };
-            let [twin_kg, parent_kg] = [twin, parent].map(|n| self.mass_kg[n as usize]);
-            let share = twin_kg / (twin_kg + parent_kg);
-            if let Some(breaking) = &mut self.breaking {
-                breaking.releases.share_with_twin(parent, twin, share);
-            }
-            for load in &mut self.loads {
-                let Some(at) = load.node_forces_n.iter().position(|(n, _)| *n == parent) else { continue };
-                let force_n = load.node_forces_n[at].1;
-                load.node_forces_n[at].1 = force_n * (1.0 - share);
-                load.node_forces_n.push((twin, force_n * share));
-            }
-        }
     }
 }

@@ -20,6 +20,8 @@ const MOST_MARGIN_STEPS: f64 = 32.0;
 /// The same for boxes of a body around itself, which hold as long as its shape changes but little: rebuilding them costs
 /// most of the search in soft bodies, candidates on the far side of thin ones the rest.
 const OWN_MARGIN: f64 = 0.3;
+/// The same once it has cracked: cuts call for new boxes anyway.
+const CRACKED_MARGIN: f64 = 0.1;
 
 /// Candidates of a pair of bodies and the states of the boxes they come from.
 pub(super) struct NearPair {
@@ -58,7 +60,8 @@ struct OwnBoxes {
 
 impl OwnBoxes {
     fn around(body: &Body, stamp: u64, time_s: f64) -> Self {
-        let margin_m = OWN_MARGIN * body.mean_size_m;
+        let margin = if body.surface.has_cracked() { CRACKED_MARGIN } else { OWN_MARGIN };
+        let margin_m = margin * body.mean_size_m;
         let boxes = SurfaceBoxes::around(&body.surface, &body.position_m, margin_m);
         let spare_m = OWN_SHARE * margin_m;
         Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m, time_s }

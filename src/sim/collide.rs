@@ -17,6 +17,8 @@ const MOST_ROUNDS: u32 = 6;
 const LEFT_OUT_DEPTH: f64 = 1e-4;
 /// Change of way by the response, as a share of the local size, that the first look of a step allows for.
 const LOOK_SLACK: f64 = 0.01;
+/// The same within a body, where cracks that have opened a little are many.
+const OWN_LOOK_SLACK: f64 = 0.002;
 
 /// Share of a pair's squared weights that nodes free to move must have.
 const FREE_WEIGHT: f64 = 0.05;
@@ -59,23 +61,18 @@ impl ContactScene<'_> {
             friction_coefficient: self.friction(pair.bodies),
             step_s: self.step_s,
             list: self.list,
-            depths: match self.parameters.method {
-                ContactMethod::Penalty { .. } => PairDepths::SPRINGS,
-                ContactMethod::Lagrange { .. } => PairDepths::CONSTRAINED,
-            },
+            depths: depths(self.parameters.method),
         }
     }
 
     /// What is near in the step; the response may change the ways of the points relative to each other by `slack_m`.
     fn near(&self, pair: &NearPair, slack_m: f64) -> Near {
-        // What the response threw far may meet what was not close.
-        let is_usual = slack_m <= look_slack_m(self.bodies, pair.bodies);
-        let candidates = if is_usual { pair.close.candidates() } else { &pair.candidates };
-        if candidates.is_empty() {
-            return Near::default();
+        let view = self.pair_view(pair);
+        if slack_m <= look_slack_m(self.bodies, pair.bodies) {
+            return Near::of_close(&view, &pair.close, slack_m);
         }
-        let way_m = if is_usual { pair.close.way_m() } else { way_m(self.bodies, pair.bodies, self.step_s) };
-        Near::of(&self.pair_view(pair), candidates, [way_m, slack_m])
+        // What the response threw far may meet what was not close.
+        Near::of(&view, &pair.candidates, [way_m(self.bodies, pair.bodies, self.step_s), slack_m])
     }
 
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
@@ -137,7 +134,7 @@ impl ContactScene<'_> {
             let is_node = matches!(c.feature, Feature::NodeOnPatch { .. });
             !is_node || self.is_primary(c) || !c.nodes[1..].iter().all(corner_touches)
         });
-        without_twins(found)
+        found
     }
 
     /// Closing speed below which nothing bounces, m/s.
@@ -171,7 +168,8 @@ fn way_m(bodies: &[Body], pair: [usize; 2], step_s: f64) -> f64 {
 
 /// Way by which the response may change that before there is a second look, m.
 fn look_slack_m(bodies: &[Body], pair: [usize; 2]) -> f64 {
-    LOOK_SLACK * finer_size_m(bodies, pair)
+    let slack = if pair[0] == pair[1] { OWN_LOOK_SLACK } else { LOOK_SLACK };
+    slack * finer_size_m(bodies, pair)
 }
 
 fn finer_size_m(bodies: &[Body], pair: [usize; 2]) -> f64 {
@@ -180,11 +178,30 @@ fn finer_size_m(bodies: &[Body], pair: [usize; 2]) -> f64 {
 }
 
 /// Brings the lists of what is close up to date for a step.
-pub(super) fn renew_close<'a>(bodies: &[Body], pairs: impl Iterator<Item = &'a mut NearPair>, step_s: f64) {
+pub(super) fn renew_close<'a>(
+    (bodies, list): (&[Body], &CollisionList),
+    pairs: impl Iterator<Item = &'a mut NearPair>,
+    parameters: &ContactParameters,
+    step_s: f64,
+) {
     for pair in pairs {
-        let views = pair.bodies.map(|b| view(&bodies[b]));
         let ways_m = [way_m(bodies, pair.bodies, step_s), look_slack_m(bodies, pair.bodies)];
-        pair.close.renew(&views, &pair.candidates, ways_m, finer_size_m(bodies, pair.bodies));
+        let view = PairView {
+            bodies: pair.bodies.map(|b| b as u32),
+            views: pair.bodies.map(|b| view(&bodies[b])),
+            friction_coefficient: 0.0,
+            step_s,
+            list,
+            depths: depths(parameters.method),
+        };
+        pair.close.renew(&view, &pair.candidates, ways_m);
+    }
+}
+
+fn depths(method: ContactMethod) -> PairDepths {
+    match method {
+        ContactMethod::Penalty { .. } => PairDepths::SPRINGS,
+        ContactMethod::Lagrange { .. } => PairDepths::CONSTRAINED,
     }
 }
 
@@ -200,37 +217,6 @@ fn is_finer(a: &Body, b: &Body) -> bool {
     let key = |x: &Body| x.reference.centre_m.to_array();
     let (ka, kb) = (key(a), key(b));
     (0..3).rev().map(|i| ka[i].total_cmp(&kb[i])).find(|o| o.is_ne()).is_some_and(|o| o.is_gt())
-}
-
-/// Weight of a corner above which a node that touches a patch of its own body touches that corner.
-const AT_CORNER: f64 = 0.999;
-/// Cosine of the angle up to which two normals are one.
-const ONE_NORMAL: f64 = 0.9999;
-
-/// Leaves out what the two sides of a crack say twice where they still fit: the twins of a node touch each other's patches
-/// at their corners.
-fn without_twins(found: Vec<Constraint>) -> Vec<Constraint> {
-    let mut seen: Vec<(u32, [u32; 2], DVec3)> = Vec::new();
-    let mut is_first = |c: &Constraint| {
-        let Some((nodes, normal)) = node_on_corner(c) else { return true };
-        let key = (c.bodies[0], nodes);
-        let from = seen.partition_point(|s| (s.0, s.1) < key);
-        let mut same = seen[from..].iter().take_while(|s| (s.0, s.1) == key);
-        if same.any(|s| s.2.dot(normal) > ONE_NORMAL) {
-            return false;
-        }
-        seen.insert(from, (key.0, key.1, normal));
-        true
-    };
-    found.into_iter().filter(|c| is_first(c)).collect()
-}
-
-/// The two nodes of one body that touch each other, ascending, and the normal towards the first of them.
-fn node_on_corner(c: &Constraint) -> Option<([u32; 2], DVec3)> {
-    let is_own = c.is_own() && matches!(c.feature, Feature::NodeOnPatch { .. });
-    let corner = c.weights[1..].iter().position(|w| -w > AT_CORNER).filter(|_| is_own)?;
-    let (node, corner) = (c.nodes[0].1, c.nodes[1 + corner].1);
-    Some(if node < corner { ([node, corner], c.normal) } else { ([corner, node], -c.normal) })
 }
 
 /// Finds and solves the contacts of an island for the predicted velocities, and writes the corrected
@@ -335,11 +321,13 @@ impl Look {
 
     /// Looks anew where the response has changed the ways by more than was allowed for.
     fn renew(&mut self, scene: &ContactScene, corrected: &NodeTable) {
-        let nodes = corrected.nodes.iter().zip(corrected.predicted_m_s());
-        let change2 = nodes.map(|(node, v)| (node.velocity_m_s - *v).length_squared()).fold(0.0, f64::max);
-        // Both sides of a pair may have been changed.
-        let change_m = 2.0 * scene.step_s * change2.sqrt();
+        let mut change2 = vec![0.0_f64; scene.bodies.len()];
+        for (node, predicted) in corrected.nodes.iter().zip(corrected.predicted_m_s()) {
+            let most = &mut change2[node.body as usize];
+            *most = most.max((node.velocity_m_s - *predicted).length_squared());
+        }
         for ((near, slack_m), pair) in self.near.iter_mut().zip(&scene.pairs) {
+            let change_m = scene.step_s * pair.bodies.map(|body| change2[body].sqrt()).iter().sum::<f64>();
             if change_m > *slack_m {
                 *slack_m = 2.0 * change_m;
                 // The velocities are the corrected ones now, a change away from those that slack counts from.

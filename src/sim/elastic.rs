@@ -5,11 +5,11 @@
 //! bodies may join and leave an island at any time. It is the leapfrog scheme
 //! `v_(n+1/2) = v_(n-1/2) + h a_n`, `x_(n+1) = x_n + h v_(n+1/2)`, cut in the middle of the kick.
 
-use super::body::{Body, Load};
+use super::body::Body;
 use super::{Kinematics, SimError};
 use crate::fem::NotFinitePlace;
-use crate::math::{MassProperties, rotation_from_vector, solve_inertia};
-use glam::{BVec3, DQuat, DVec3};
+use crate::math::{MassProperties, inertia_of_point_kg_m2, rotation_from_vector, solve_inertia};
+use glam::{BVec3, DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
 /// Bodies with fewer nodes are not worth a second thread in node loops.
@@ -135,22 +135,29 @@ impl Body {
     /// Damps each fragment by itself; those that supports hold, as a whole.
     fn damp_fragments(&mut self, factor: f64) {
         let Some(breaking) = &self.breaking else { return };
-        let mut is_held = vec![false; self.mass_kg.len()];
-        self.prescribed.iter().for_each(|p| is_held[p.node as usize] = true);
-        for nodes in breaking.fragment_nodes() {
-            let of = |values: &[DVec3]| nodes.iter().map(|n| values[*n as usize]).collect::<Vec<_>>();
-            let mass_kg: Vec<f64> = nodes.iter().map(|n| self.mass_kg[*n as usize]).collect();
-            let (at_m, velocity_m_s) = (of(&self.position_m), of(&self.velocity_m_s));
-            let is_free = nodes.iter().all(|n| !is_held[*n as usize]);
-            let (centre, velocity, spin) =
-                if is_free { rigid_velocity(&mass_kg, &at_m, &velocity_m_s) } else { Default::default() };
-            for ((n, x), m) in nodes.iter().zip(&at_m).zip(&mass_kg) {
-                let v = &mut self.velocity_m_s[*n as usize];
-                let inverse = self.inverse_mass_per_kg[*n as usize];
-                let deforming = free_part(*v - velocity - spin.cross(*x - centre), inverse);
-                self.ledger.damped_j += damp_node(v, deforming, *m, factor);
+        let fragment_of_node = breaking.fragment_of_node();
+        let mut rigid = vec![RigidSums::default(); breaking.solid.fragments().list().len()];
+        let nodes = || fragment_of_node.iter().zip(&self.mass_kg).zip(&self.position_m);
+        for (((fragment, m), x), v) in nodes().zip(&self.velocity_m_s) {
+            if let Some(sums) = rigid.get_mut(*fragment as usize) {
+                sums.add(*m, *x, *v);
             }
         }
+        let mut motions: Vec<_> = rigid.iter().map(RigidSums::motion).collect();
+        for p in &self.prescribed {
+            if let Some(motion) = motions.get_mut(fragment_of_node[p.node as usize] as usize) {
+                *motion = Default::default();
+            }
+        }
+        let mut taken_j = 0.0;
+        for ((((fragment, m), x), v), inverse) in
+            nodes().zip(&mut self.velocity_m_s).zip(&self.inverse_mass_per_kg)
+        {
+            let Some((centre, velocity, spin)) = motions.get(*fragment as usize) else { continue };
+            let deforming = free_part(*v - *velocity - spin.cross(*x - *centre), *inverse);
+            taken_j += damp_node(v, deforming, *m, factor);
+        }
+        self.ledger.damped_j += taken_j;
     }
 
     /// Centre, velocity and spin of the rigid motion with the same momenta; zero for held bodies.
@@ -236,9 +243,9 @@ impl Body {
 
     /// Adds the loads and books their work over the step.
     fn add_loads(&mut self, c: &StepContext) {
-        for Load { node_forces_n, ramp_s } in &self.loads {
-            let share = if *ramp_s > 0.0 { (c.time_s / ramp_s).clamp(0.0, 1.0) } else { 1.0 };
-            for (node, full_n) in node_forces_n {
+        for load in &self.loads {
+            let share = load.share(c.time_s);
+            for (node, full_n) in &load.node_forces_n {
                 let node = *node as usize;
                 self.force_n[node] += *full_n * share;
                 self.ledger.external_j += (*full_n * share).dot(self.velocity_m_s[node]) * c.step_s;
@@ -285,6 +292,38 @@ fn rigid_velocity(mass_kg: &[f64], positions_m: &[DVec3], velocities_m_s: &[DVec
     let nodes = mass_kg.iter().zip(velocities_m_s).zip(positions_m);
     let angular: DVec3 = nodes.map(|((m, v), x)| (*x - now.centre_m).cross(*v - velocity) * *m).sum();
     (now.centre_m, velocity, solve_inertia(&now.inertia_kg_m2, angular))
+}
+
+/// Sums over nodes that give their rigid motion, about the first of them, so that a small piece far away keeps its digits.
+#[derive(Clone, Copy, Debug, Default)]
+struct RigidSums {
+    origin_m: Option<DVec3>,
+    mass_kg: f64,
+    moment_kg_m: DVec3,
+    momentum: DVec3,
+    angular_momentum: DVec3,
+    inertia_kg_m2: DMat3,
+}
+
+impl RigidSums {
+    fn add(&mut self, mass_kg: f64, position_m: DVec3, velocity_m_s: DVec3) {
+        let arm_m = position_m - *self.origin_m.get_or_insert(position_m);
+        self.mass_kg += mass_kg;
+        self.moment_kg_m += arm_m * mass_kg;
+        self.momentum += velocity_m_s * mass_kg;
+        self.angular_momentum += arm_m.cross(velocity_m_s) * mass_kg;
+        self.inertia_kg_m2 += inertia_of_point_kg_m2(mass_kg, arm_m);
+    }
+
+    /// Centre, velocity and spin of the rigid motion with the same momenta.
+    fn motion(&self) -> (DVec3, DVec3, DVec3) {
+        let Some(origin_m) = self.origin_m else { return Default::default() };
+        let offset_m = self.moment_kg_m / self.mass_kg;
+        // Parallel axes (Steiner).
+        let inertia = self.inertia_kg_m2 - inertia_of_point_kg_m2(self.mass_kg, offset_m);
+        let angular_momentum = self.angular_momentum - offset_m.cross(self.momentum);
+        (origin_m + offset_m, self.momentum / self.mass_kg, solve_inertia(&inertia, angular_momentum))
+    }
 }
 
 /// Lowers the deforming part of a node's velocity to `factor` of it. Returns the energy taken, J.

@@ -13,6 +13,7 @@ mod broad;
 mod collide;
 mod contact_log;
 mod elastic;
+mod follow;
 mod publish;
 mod release;
 mod report;

@@ -3,11 +3,10 @@
 use super::body::{Body, Regime};
 use super::{ElementStress, World};
 use crate::contact::Constraint;
-use crate::fracture::Face;
 use crate::frame::{BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, SurfaceTopology, VertexFields};
 use crate::math::symmetric_eigenvalues;
 use glam::{DMat3, DVec3};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// What does not change of a body's frames.
 pub(super) struct FrameParts {
@@ -15,29 +14,30 @@ pub(super) struct FrameParts {
     palette_srgb: Arc<[[f32; 3]]>,
     /// By element of the mesh as given.
     element_material: Vec<u32>,
-    surface: Arc<SurfaceTopology>,
-}
-
-/// Whether a triangle of the surface was born by fracture.
-fn is_crack(body: &Body, element: u32, nodes: &[u32; 3]) -> bool {
-    let faces = body.breaking.iter().flat_map(|b| b.solid.surface_of(element));
-    faces.into_iter().any(|face| face.nodes == *nodes && matches!(face.kind, Face::Crack { .. }))
+    /// Found when somebody looks.
+    surface: OnceLock<Arc<SurfaceTopology>>,
 }
 
 impl FrameParts {
     pub fn new(body: &Body, setup: &super::BodySetup) -> Self {
-        let mut parts = Self {
+        Self {
             name: body.name.as_str().into(),
             palette_srgb: setup.materials.iter().map(|m| m.color_srgb).collect(),
             element_material: setup.element_material.clone(),
-            surface: Arc::default(),
-        };
-        parts.renew_surface(body);
-        parts
+            surface: OnceLock::new(),
+        }
     }
 
     /// After the surface has changed.
-    pub fn renew_surface(&mut self, body: &Body) {
+    pub fn forget_surface(&mut self) {
+        self.surface = OnceLock::new();
+    }
+
+    fn surface(&self, body: &Body) -> Arc<SurfaceTopology> {
+        self.surface.get_or_init(|| Arc::new(self.topology(body))).clone()
+    }
+
+    fn topology(&self, body: &Body) -> SurfaceTopology {
         let mut vertex_of = vec![u32::MAX; body.reference_m.len()];
         for (vertex, node) in body.surface.nodes.iter().enumerate() {
             vertex_of[*node as usize] = vertex as u32;
@@ -48,17 +48,13 @@ impl FrameParts {
         let material =
             |t: &u32| breaking.map_or_else(|| self.element_material[*t as usize], |b| b.material(*t));
         let fragment = |t: &u32| breaking.map_or(0, |b| b.solid.fragments().of_element()[*t as usize]);
-        self.surface = Arc::new(SurfaceTopology {
+        SurfaceTopology {
             triangles: triangles.iter().map(|t| t.map(|n| vertex_of[n as usize])).collect(),
             triangle_material: behind.iter().map(material).collect(),
-            triangle_is_crack: behind
-                .iter()
-                .zip(triangles)
-                .map(|(t, nodes)| is_crack(body, *t, nodes))
-                .collect(),
+            triangle_is_crack: body.surface.crack_sides.iter().map(Option::is_some).collect(),
             triangle_fragment: behind.iter().map(fragment).collect(),
             triangle_element: behind.clone(),
-        });
+        }
     }
 }
 
@@ -116,7 +112,7 @@ impl World {
                 _ => BodyRole::Deformable,
             },
             palette_srgb: parts.palette_srgb.clone(),
-            surface: parts.surface.clone(),
+            surface: parts.surface(body),
             positions_m: nodes.iter().map(|n| to_f32(positions[*n as usize])).collect(),
             fields: self.vertex_fields(index, body),
         }

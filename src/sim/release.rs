@@ -47,6 +47,15 @@ impl Releases {
         }
     }
 
+    /// The forces on a node as they are now, N.
+    pub fn force_n(&self, node: u32) -> DVec3 {
+        let of = |release: &Release| -> DVec3 {
+            let at_node = release.forces_n.iter().filter(|(n, _)| *n == node);
+            at_node.map(|(_, force_n)| *force_n * release.shares[1]).sum()
+        };
+        self.list.iter().map(of).sum()
+    }
+
     /// Work of the forces over the last step, in which the nodes moved with `velocities_m_s`, J.
     pub fn work_j(&self, velocities_m_s: &[DVec3], step_s: f64) -> f64 {
         let of = |release: &Release| -> f64 {

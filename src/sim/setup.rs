@@ -204,6 +204,12 @@ impl Default for TimeParameters {
     }
 }
 
+/// The crack spacing when the scene does not say.
+const CRACK_SPACING_ELEMENTS: f64 = 3.0;
+
+/// The smallest altitude when the scene does not say.
+const SMALLEST_ALTITUDE_SHARE: f64 = 0.25;
+
 /// How cracks grow, in every body with a material that breaks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FractureParameters {
@@ -215,6 +221,11 @@ pub struct FractureParameters {
     pub max_elements: Option<u32>,
     /// No fragment below the mass of so many of the body's average elements comes off; not negative.
     pub smallest_fragment_elements: f64,
+    /// How far from a crack no other starts until the relief has arrived, in distances of neighbouring nodes; not negative.
+    pub crack_spacing_elements: f64,
+    /// No cut leaves an element with a smaller altitude than this share of the smallest one in the mesh as given; above 0,
+    /// at most 1. Small ones let cracks run where they want, at the price of small steps.
+    pub smallest_altitude_share: f64,
 }
 
 impl Default for FractureParameters {
@@ -224,6 +235,8 @@ impl Default for FractureParameters {
             crack_speed_m_s: None,
             max_elements: None,
             smallest_fragment_elements: SMALLEST_FRAGMENT_ELEMENTS,
+            crack_spacing_elements: CRACK_SPACING_ELEMENTS,
+            smallest_altitude_share: SMALLEST_ALTITUDE_SHARE,
         }
     }
 }

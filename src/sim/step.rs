@@ -219,7 +219,7 @@ impl World {
             let Some(changes) = grown else { continue };
             self.broad.forget(index);
             self.list.forget_numbers_of(index as u32);
-            self.frame_parts[index].renew_surface(&self.bodies[index]);
+            self.frame_parts[index].forget_surface();
             self.rest[index].disturb(self.time_s);
             self.fragments += changes.new_fragments.len();
         }
@@ -356,7 +356,7 @@ impl World {
         self.phases.elastic_s +=
             kicked.duration_since(clock).as_secs_f64() + collided.elapsed().as_secs_f64();
         self.phases.response_s += collided.duration_since(kicked).as_secs_f64();
-        self.book(&outcome, context, collected);
+        self.book(outcome, context, collected);
         Ok(())
     }
 
@@ -369,7 +369,7 @@ impl World {
     fn collide(&mut self, group: &[usize], context: &StepContext, list: &CollisionList) -> ContactOutcome {
         let in_group = |b: &usize| group.binary_search(b).is_ok();
         let near = self.broad.pairs.iter_mut().filter(|p| p.bodies.iter().any(in_group));
-        renew_close(&self.bodies, near, context.step_s);
+        renew_close((&self.bodies, list), near, &self.setup.contact, context.step_s);
         let mut scene = ContactScene {
             bodies: &mut self.bodies,
             pairs: self.broad.pairs.iter().filter(|p| p.bodies.iter().any(in_group)).collect(),
@@ -382,7 +382,7 @@ impl World {
     }
 
     /// Adds an outcome to the balances, the log and the report.
-    fn book(&mut self, outcome: &ContactOutcome, context: &StepContext, collected: &mut Collected) {
+    fn book(&mut self, outcome: ContactOutcome, context: &StepContext, collected: &mut Collected) {
         let report = &mut collected.report;
         report.elastic_steps += 1;
         if outcome.constraints.is_empty() {
@@ -409,7 +409,7 @@ impl World {
             }
         }
         collected.spring_j += outcome.spring_j;
-        collected.outcomes.push(outcome.clone());
+        collected.outcomes.push(outcome);
     }
 
     fn finish(&mut self, collected: &mut Collected, duration_s: f64) {

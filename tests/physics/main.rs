@@ -1,6 +1,7 @@
 //! Physics against theory: conservation laws, closed forms, contact and rest.
 
 mod build;
+mod cuts;
 mod fracture;
 mod fracture_theory;
 mod rest;

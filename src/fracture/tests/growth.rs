@@ -2,7 +2,7 @@
 
 use super::specimen::{Random, Specimen, area_m2, assert_sound};
 use crate::fracture::{
-    Changes, CrackPace, Face, Failure, FractureLimits, NodeState, Propagation, PropagationRule,
+    Changes, CrackPace, Face, Failure, FractureLimits, Growth, NodeState, Propagation, PropagationRule,
 };
 use crate::mesh::TetMesh;
 use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
@@ -18,7 +18,7 @@ fn propagate(
     specimen: &mut Specimen,
     failures: &[Failure],
     settings: &Propagation,
-    may_crack: impl Fn(u32) -> bool,
+    may_crack: impl Fn(u32, Growth) -> bool,
 ) -> Changes {
     let nodes =
         NodeState { positions_m: &mut specimen.positions_m, velocities_m_s: &mut specimen.velocities_m_s };
@@ -69,7 +69,7 @@ fn a_crack_across_a_bar_leaves_two_pieces_and_a_plane_between_them() {
         let mut steps = 0;
         while heaviest_share(&specimen) > 0.65 {
             let failures = failures_at_tip(&specimen, point_m, normal);
-            propagate(&mut specimen, &failures, &settings, |_| true);
+            propagate(&mut specimen, &failures, &settings, |_, _| true);
             assert_sound(&specimen);
             steps += 1;
             assert!(steps < 40, "{rule:?} {slope}: the crack does not get through");
@@ -113,7 +113,7 @@ fn a_single_failure_cracks_under_one_rule_and_not_under_the_other() {
     for (rule, expected) in [(PropagationRule::TwoAtNode, 0), (PropagationRule::SingleElement, 1)] {
         let mut specimen = specimen.clone();
         let settings = Propagation { rule, ..Propagation::default() };
-        let changes = propagate(&mut specimen, &failures, &settings, |_| true);
+        let changes = propagate(&mut specimen, &failures, &settings, |_, _| true);
         assert_eq!(changes.cuts.len(), expected, "{rule:?}");
         assert_eq!(changes.crack_faces.is_empty(), expected == 0);
         assert_eq!(changes.is_empty(), expected == 0);
@@ -135,7 +135,7 @@ fn failures_of_a_node_are_averaged_with_signs_aligned_and_conjugates_kept_apart(
         .map(|((&element, normal), index)| Failure { element, normal, index })
         .collect();
     let mut cut = specimen.clone();
-    let changes = propagate(&mut cut, &failures, &Propagation::default(), |_| true);
+    let changes = propagate(&mut cut, &failures, &Propagation::default(), |_, _| true);
     let normal = changes.cuts[0].normal;
     assert!(normal.x > 0.999 && normal.z == 0.0, "{normal}");
 }
@@ -156,7 +156,7 @@ fn one_call_goes_one_ring_and_touches_nothing_twice() {
                 })
                 .collect();
             let before = specimen.clone();
-            let changes = propagate(&mut specimen, &failures, &settings, |_| true);
+            let changes = propagate(&mut specimen, &failures, &settings, |_, _| true);
             let mut used = vec![false; specimen.solid.tets().len()];
             for cut in &changes.cuts {
                 for &element in before.solid.elements_at(cut.node) {
@@ -184,9 +184,9 @@ fn same_failures_same_result_whatever_their_order() {
                 index: 1.0 + random.signed().abs(),
             })
             .collect();
-        let first = propagate(&mut specimen, &failures, &Propagation::default(), |_| true);
+        let first = propagate(&mut specimen, &failures, &Propagation::default(), |_, _| true);
         failures.reverse();
-        let second = propagate(&mut other, &failures, &Propagation::default(), |_| true);
+        let second = propagate(&mut other, &failures, &Propagation::default(), |_, _| true);
         assert_eq!(first, second);
         assert_eq!(specimen.positions_m, other.positions_m);
     }
@@ -195,28 +195,56 @@ fn same_failures_same_result_whatever_their_order() {
 #[test]
 fn cracks_wait_for_their_pace_and_say_so() {
     let mut specimen = Specimen::new(&bar([5, 4, 4]), 0.25);
-    let mut pace = CrackPace::new(100.0, specimen.solid.tets().len());
+    let mut pace = CrackPace::new(100.0, 0.0, specimen.solid.tets().len());
     let settings = Propagation::default();
     let seed =
         specimen.positions_m.iter().position(|x| x.distance(DVec3::new(0.5, 0.0, 2.0)) < 1e-9).unwrap();
     let point_m = specimen.positions_m[seed];
     let normal = DVec3::new(1.0, 0.1, 0.0).normalize();
     let changes = specimen.cut(seed as u32, normal, &settings);
-    pace.record(&changes, 0.0);
+    pace.record(&specimen.solid, &changes, 0.0);
     let (mut steps, mut waits) = (0, 0);
     while specimen.solid.fragments().list().len() == 1 {
         steps += 1;
         assert!(steps < 100, "the crack does not get through");
         let time_s = f64::from(steps) * 2e-3;
         let failures = failures_at_tip(&specimen, point_m, normal);
-        let changes =
-            propagate(&mut specimen, &failures, &settings, |element| pace.may_crack(element, time_s));
-        pace.record(&changes, time_s);
+        let changes = propagate(&mut specimen, &failures, &settings, |element, growth| {
+            pace.may_crack(element, growth, time_s)
+        });
+        pace.record(&specimen.solid, &changes, time_s);
         waits += u32::from(changes.cuts.is_empty() && changes.limits.waiting > 0);
     }
     // At 100 m/s a crack needs 40 ms for the 4 m to the far side, give or take a ring.
     let time_s = f64::from(steps) * 2e-3;
     assert!((0.025..0.08).contains(&time_s) && waits > 5, "{time_s} s, {waits} waits");
+}
+
+#[test]
+fn beside_a_crack_no_other_starts_until_the_news_has_arrived() {
+    let mut specimen = Specimen::new(&bar([9, 4, 4]), 0.25);
+    let mut pace = CrackPace::new(100.0, 3.0, specimen.solid.tets().len());
+    let at = |place_m: DVec3, specimen: &Specimen| {
+        specimen.positions_m.iter().position(|x| x.distance(place_m) < 1e-9).unwrap() as u32
+    };
+    let seed = at(DVec3::new(0.5, 0.0, 2.0), &specimen);
+    let changes = specimen.cut(seed, DVec3::new(1.0, 0.1, 0.0).normalize(), &Propagation::default());
+    pace.record(&specimen.solid, &changes, 0.0);
+    let reach_m = changes.cuts[0].reach_m;
+    let may_start = |place_m: DVec3, time_s: f64| {
+        let elements = specimen.solid.elements_at(at(place_m, &specimen)).iter();
+        let mut allowed = elements.map(|e| pace.may_crack(*e, Growth::Starts, time_s));
+        allowed.all(|allowed| allowed)
+    };
+    let beside = DVec3::new(2.5, 0.0, 2.0);
+    let distance_m = 2.0;
+    assert!(distance_m < 2.0 * reach_m && !may_start(beside, 0.5 * distance_m / 100.0));
+    assert!(may_start(beside, 1.5 * distance_m / 100.0));
+    // Out of its reach, and for a crack that goes on there.
+    assert!(may_start(DVec3::new(-4.5, 0.0, 2.0), 0.0));
+    let elements = specimen.solid.elements_at(at(beside, &specimen)).iter();
+    let outside = elements.filter(|e| !changes.cuts[0].elements.contains(e));
+    assert!(outside.copied().all(|e| pace.may_crack(e, Growth::GoesOn, 0.0)));
 }
 
 #[test]
@@ -230,7 +258,7 @@ fn a_body_that_fails_all_over_breaks_into_shards_not_splinters() {
             .elements()
             .map(|element| Failure { element, normal: random.direction(), index: 1.0 })
             .collect();
-        propagate(&mut specimen, &failures, &settings, |_| true);
+        propagate(&mut specimen, &failures, &settings, |_, _| true);
     }
     assert_sound(&specimen);
     let list = specimen.solid.fragments().list();

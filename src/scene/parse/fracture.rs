@@ -124,10 +124,14 @@ pub(super) fn read_fracture(mut table: Table) -> FractureParameters {
     let rules =
         [("two-at-node", PropagationRule::TwoAtNode), ("single-element", PropagationRule::SingleElement)];
     let smallest = table.number("smallest_fragment", Quantity::not_negative("elements"));
+    let altitude = table.number("smallest_altitude", Quantity::positive("").up_to(1.0));
+    let spacing = table.number("crack_spacing", Quantity::not_negative("elements"));
     FractureParameters {
         rule: table.choice("propagation", &rules).unwrap_or(defaults.rule),
         crack_speed_m_s: table.number("crack_speed", Quantity::positive("m/s")),
         max_elements: table.integer("max_elements", 1, 10_000_000),
         smallest_fragment_elements: smallest.unwrap_or(defaults.smallest_fragment_elements),
+        smallest_altitude_share: altitude.unwrap_or(defaults.smallest_altitude_share),
+        crack_spacing_elements: spacing.unwrap_or(defaults.crack_spacing_elements),
     }
 }

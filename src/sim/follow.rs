@@ -1,0 +1,238 @@
+//! Following cuts: what a body keeps per node and element is brought up to date where it changed. Only the surface is found
+//! anew as a whole: it is small beside the body.
+
+use super::SimError;
+use super::body::{Body, PrescribedNode};
+use super::elastic::StepContext;
+use crate::contact::{ContactSurface, CrackSide};
+use crate::fem::{CutBody, ElementChanges, StepBound};
+use crate::fracture::{Changes, Face, NodeBirth, Solid};
+use crate::math::inertia_of_point_kg_m2;
+use crate::mesh::Surface;
+use glam::{BVec3, DVec3};
+
+/// Time in which a crack opens over the time in which it runs past the elements around its node.
+const RELEASE_SHARE: f64 = 0.5;
+
+impl Body {
+    /// Brings everything that is kept per node or element up to date with the cuts.
+    ///
+    /// # Errors
+    /// [`SimError::Setup`] for an unsound element, which cuts do not make.
+    pub(super) fn follow(&mut self, context: &StepContext, changes: &Changes) -> Result<(), SimError> {
+        self.follow_elements(changes)?;
+        self.follow_surface();
+        self.follow_supports(changes);
+        self.follow_loads(changes);
+        self.ledger.dropped_j += changes.kinetic_energy_lost_j;
+        self.force_n.resize(self.reference_m.len(), DVec3::ZERO);
+        self.hold_crack_faces(context, changes);
+        Ok(())
+    }
+
+    fn follow_elements(&mut self, changes: &Changes) -> Result<(), SimError> {
+        let (Some(breaking), Some(elasticity)) = (&mut self.breaking, &mut self.elasticity) else {
+            return Ok(());
+        };
+        let solid = &breaking.solid;
+        let elements = &mut elasticity.elements;
+        let bound = breaking.step_bound.get_or_insert_with(|| StepBound::new(elements, &self.mass_kg));
+        self.reference_m.extend_from_slice(&solid.reference_m()[self.reference_m.len()..]);
+        for &element in &changes.changed_elements {
+            self.tets[element as usize] = solid.tets()[element as usize];
+        }
+        self.tets.extend_from_slice(&solid.tets()[self.tets.len()..]);
+        let centre_m = self.reference.centre_m;
+        // Cuts do not move the centre: that of an element is the middle of its corners.
+        self.arms_m.extend(self.reference_m[self.arms_m.len()..].iter().map(|x| *x - centre_m));
+        self.mass_kg.resize(self.reference_m.len(), 0.0);
+        for &node in &changes.touched_nodes {
+            let mass_kg = &mut self.mass_kg[node as usize];
+            let change_kg = solid.node_mass_kg(node) - *mass_kg;
+            self.reference.inertia_kg_m2 += inertia_of_point_kg_m2(change_kg, self.arms_m[node as usize]);
+            *mass_kg += change_kg;
+        }
+        let cut_from: Vec<u32> = changes.new_elements.iter().map(|new| new.cut_from).collect();
+        let of_elements = ElementChanges { changed: &changes.changed_elements, cut_from: &cut_from };
+        elements
+            .follow(&self.reference_m, &self.tets, of_elements)
+            .map_err(|e| SimError::Setup(format!("body `{}` after fracture: {e}", self.name)))?;
+        let body = CutBody {
+            elements,
+            reference_m: &self.reference_m,
+            node_masses_kg: &self.mass_kg,
+            elements_at: |node| solid.elements_at(node),
+        };
+        bound.follow(&body, &changes.touched_nodes, of_elements);
+        elasticity.critical_step_s = bound.step_s();
+        Ok(())
+    }
+
+    fn follow_surface(&mut self) {
+        let Some(breaking) = &self.breaking else { return };
+        let solid = &breaking.solid;
+        self.boundary = Surface::of_neighbours(&self.tets, |tet, face| behind(solid, tet, face));
+        let sides = crack_sides(solid, &self.boundary);
+        self.surface =
+            ContactSurface::new(&self.boundary, &self.reference_m).with_cracks(sides, &self.reference_m);
+        let sizes = &self.surface.triangle_size_m;
+        self.mean_size_m = sizes.iter().sum::<f64>() / sizes.len().max(1) as f64;
+    }
+
+    /// New nodes are held as their parents are: twins as the node they were one with, nodes on an edge as far as both of
+    /// its ends are.
+    fn follow_supports(&mut self, changes: &Changes) {
+        for (node, birth) in (changes.first_node..).zip(&changes.new_nodes) {
+            let of = |node: u32| self.prescribed_at(node).iter().copied();
+            let inherited: Vec<_> = match *birth {
+                NodeBirth::TwinOf(parent) => of(parent).collect(),
+                NodeBirth::OnEdge { ends: [a, b], .. } => of(a)
+                    .filter_map(|mut p| {
+                        let other = of(b).find(|q| q.velocity_m_s == p.velocity_m_s)?;
+                        p.axes = std::array::from_fn(|i| p.axes[i] && other.axes[i]);
+                        p.axes.contains(&true).then_some(p)
+                    })
+                    .collect(),
+            };
+            self.prescribed.extend(inherited.into_iter().map(|p| PrescribedNode { node, ..p }));
+        }
+        self.inverse_mass_per_kg.resize(self.mass_kg.len(), DVec3::ZERO);
+        for &node in &changes.touched_nodes {
+            let mut inverse = DVec3::splat(self.mass_kg[node as usize].recip());
+            for p in self.prescribed_at(node) {
+                inverse = DVec3::select(BVec3::from_array(p.axes), DVec3::ZERO, inverse);
+            }
+            self.inverse_mass_per_kg[node as usize] = inverse;
+        }
+    }
+
+    /// A force on a node that has been doubled is shared by mass.
+    fn follow_loads(&mut self, changes: &Changes) {
+        for (twin, birth) in (changes.first_node..).zip(&changes.new_nodes) {
+            let NodeBirth::TwinOf(parent) = *birth else { continue };
+            let [twin_kg, parent_kg] = [twin, parent].map(|n| self.mass_kg[n as usize]);
+            let share = twin_kg / (twin_kg + parent_kg);
+            if let Some(breaking) = &mut self.breaking {
+                breaking.releases.share_with_twin(parent, twin, share);
+            }
+            for load in &mut self.loads {
+                let Some(at) = load.node_forces_n.iter().position(|(n, _)| *n == parent) else { continue };
+                let force_n = load.node_forces_n[at].1;
+                load.node_forces_n[at].1 = force_n * (1.0 - share);
+                load.node_forces_n.push((twin, force_n * share));
+            }
+        }
+    }
+
+    /// Holds the nodes of the changed elements as they were before the cuts; see [`super::release`].
+    fn hold_crack_faces(&mut self, context: &StepContext, changes: &Changes) {
+        let before = &mut self.acceleration_m_s2;
+        for birth in &changes.new_nodes {
+            before.push(match *birth {
+                NodeBirth::TwinOf(parent) => before[parent as usize],
+                NodeBirth::OnEdge { ends: [a, b], weight } => {
+                    before[a as usize].lerp(before[b as usize], weight)
+                }
+            });
+        }
+        let touched = || changes.touched_nodes.iter().copied();
+        let free_m_s2: Vec<(u32, DVec3)> = touched().map(|n| (n, self.acceleration_of(n, context))).collect();
+        let reach_m = changes.cuts.iter().map(|cut| cut.reach_m).fold(f64::INFINITY, f64::min);
+        let Some(breaking) = &mut self.breaking else { return };
+        let duration_s = RELEASE_SHARE * reach_m / breaking.crack_speed_m_s;
+        if !duration_s.is_finite() {
+            free_m_s2.into_iter().for_each(|(node, free)| self.acceleration_m_s2[node as usize] = free);
+            return;
+        }
+        let held_n = |(node, free): (u32, DVec3)| {
+            let is_free = self.inverse_mass_per_kg[node as usize].cmpgt(DVec3::ZERO);
+            let change = self.acceleration_m_s2[node as usize] - free;
+            (node, DVec3::select(is_free, change, DVec3::ZERO) * self.mass_kg[node as usize])
+        };
+        let held_n = free_m_s2.into_iter().map(held_n).collect();
+        breaking.releases.add(context.time_s, duration_s, held_n);
+    }
+
+    /// Acceleration of one node of a body that can break by all forces that act on it now, m/s2.
+    fn acceleration_of(&self, node: u32, context: &StepContext) -> DVec3 {
+        let (Some(breaking), Some(elasticity)) = (&self.breaking, &self.elasticity) else {
+            return DVec3::ZERO;
+        };
+        let solid = &breaking.solid;
+        let mut force_n = breaking.releases.force_n(node);
+        for &element in solid.elements_at(node) {
+            let forces_n = elasticity.elements.element_forces_n(
+                element,
+                &solid.corners_m(element),
+                &self.position_m,
+                self.element_kinematics(),
+            );
+            let corners = self.tets[element as usize].iter().zip(forces_n);
+            force_n += corners.filter(|(corner, _)| **corner == node).map(|(_, f)| f).sum::<DVec3>();
+        }
+        for load in &self.loads {
+            let at_node = load.node_forces_n.iter().filter(|(n, _)| *n == node);
+            force_n += at_node.map(|(_, full_n)| *full_n * load.share(context.time_s)).sum::<DVec3>();
+        }
+        force_n / self.mass_kg[node as usize] + context.gravity_m_s2
+    }
+}
+
+/// The element behind a face of another. The two sides of a cracked face whose corners have not parted are still one face.
+fn behind(solid: &Solid, tet: u32, face: usize) -> Option<u32> {
+    match solid.faces()[tet as usize][face] {
+        Face::Inner(other) => Some(other),
+        Face::Boundary => None,
+        Face::Crack { .. } => {
+            let nodes = solid.face_nodes(tet, face);
+            let is_behind = |other: &&u32| {
+                **other != tet && nodes.iter().all(|n| solid.tets()[**other as usize].contains(n))
+            };
+            solid.elements_at(nodes[0]).iter().find(is_behind).copied()
+        }
+    }
+}
+
+/// What of a crack each triangle of the boundary is.
+fn crack_sides(solid: &Solid, boundary: &Surface) -> Vec<Option<CrackSide>> {
+    let side = |(triangle, tet): (&[u32; 3], &u32)| {
+        let corners = solid.tets()[*tet as usize];
+        let face = corners.iter().position(|corner| !triangle.contains(corner))?;
+        match solid.faces()[*tet as usize][face] {
+            Face::Crack { pair, above } => Some(CrackSide { pair, above }),
+            Face::Boundary | Face::Inner(_) => None,
+        }
+    };
+    boundary.triangles.iter().zip(&boundary.triangle_tet).map(side).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fracture::{NodeState, Propagation};
+    use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+
+    #[test]
+    fn surface_by_neighbours_is_the_surface_by_nodes_while_a_crack_runs_through() {
+        let shape = Shape::Box(BoxShape { size_m: DVec3::new(4.0, 3.0, 3.0) });
+        let meshing = Meshing { resolution: Resolution::Cells([4, 3, 3]), split: HexSplit::Six };
+        let mesh = shape.build(&meshing).unwrap();
+        let mut solid = Solid::new(&mesh, &vec![1.0; mesh.tets.len()], 0.25).unwrap();
+        let mut positions_m = mesh.nodes_m.clone();
+        let mut velocities_m_s = vec![DVec3::ZERO; positions_m.len()];
+        let normal = DVec3::new(1.0, 0.2, 0.1).normalize();
+        let (mut cracked, mut parted) = (0, 0);
+        for node in 0..positions_m.len() as u32 {
+            if positions_m[node as usize].dot(normal).abs() > 0.5 {
+                continue;
+            }
+            let nodes = NodeState { positions_m: &mut positions_m, velocities_m_s: &mut velocities_m_s };
+            let changes = solid.cut_node(nodes, node, normal, &Propagation::default());
+            cracked += changes.crack_faces.len();
+            parted += changes.new_nodes.iter().filter(|b| matches!(b, NodeBirth::TwinOf(_))).count();
+            let surface = Surface::of_neighbours(solid.tets(), |tet, face| behind(&solid, tet, face));
+            assert_eq!(surface, Surface::of(solid.tets()));
+        }
+        assert!(cracked > 20 && parted > 5, "{cracked} faces, {parted} nodes");
+    }
+}
