@@ -11,6 +11,7 @@ use super::twins::TwinState;
 use glam::DVec3;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+use rayon::prelude::*;
 
 /// Fattened boxes of one surface.
 pub struct SurfaceBoxes {
@@ -82,9 +83,9 @@ impl SurfaceBoxes {
 /// Pairs of features of two bodies (or of one with itself) that may meet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Candidates {
-    /// Node of the first body, triangle of the second.
+    /// Node of the first body, triangle of the second, ascending.
     pub node_on_second: Vec<(u32, u32)>,
-    /// Node of the second body, triangle of the first; empty for a body with itself.
+    /// Node of the second body, triangle of the first, ascending; empty for a body with itself.
     pub node_on_first: Vec<(u32, u32)>,
     /// Edges of the first and of the second body.
     pub edge_pairs: Vec<(u32, u32)>,
@@ -111,11 +112,17 @@ impl Candidates {
         self.node_on_second.is_empty() && self.node_on_first.is_empty() && self.edge_pairs.is_empty()
     }
 
+    fn sort_nodes(&mut self) {
+        self.node_on_second.sort_unstable();
+        self.node_on_first.sort_unstable();
+    }
+
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.node_on_second.clear();
         self.node_on_first.clear();
         self.edge_pairs.clear();
+        self.were_one.clear();
     }
 
     /// Whether twins leave it to an entry of `node_on_second` itself to tell contact.
@@ -132,10 +139,12 @@ impl Candidates {
         if states.is_empty() {
             return None;
         }
-        let nodes = (0..self.node_on_second.len()).filter(|i| self.is_left_by_twins(*i, states));
+        let nodes: Vec<usize> =
+            (0..self.node_on_second.len()).filter(|i| self.is_left_by_twins(*i, states)).collect();
         let edges = (0..self.edge_pairs.len()).filter(|i| self.edges_are_left_by_twins(*i, states));
         Some(Self {
-            node_on_second: nodes.map(|i| self.node_on_second[i]).collect(),
+            node_on_second: nodes.iter().map(|i| self.node_on_second[*i]).collect(),
+            were_one: nodes.iter().map(|i| self.were_one[*i]).collect(),
             edge_pairs: edges.map(|i| self.edge_pairs[i]).collect(),
             ..Self::default()
         })
@@ -183,25 +192,39 @@ pub fn between(first: Boxed, second: Boxed, is_swept: bool) -> Candidates {
         push_nodes(&mut found.node_on_first, (s2, b2, t2), (s1, b1, t1), is_swept);
         push_edges(&mut found.edge_pairs, (s1, b1, t1), (s2, b2, t2), is_swept);
     }
+    found.sort_nodes();
     found
 }
 
 /// Candidates of a body with itself.
 #[must_use]
 pub fn within(own: &OwnFeatures, boxes: &SurfaceBoxes) -> Candidates {
-    let mut found = Candidates::default();
     let surface = own.surface;
     let mut pairs = Vec::new();
     boxes.bvh.traverse_bvtt_single_tree::<false>(&mut BvhWorkspace::default(), &mut |t1, t2| {
         pairs.push((t1, t2));
     });
-    for (t1, t2) in pairs {
-        if !overlap(&boxes.boxes[t1 as usize], &boxes.boxes[t2 as usize]) || are_adjacent(surface, t1, t2) {
-            continue;
+    let is_cracked: Vec<bool> =
+        surface.triangles.iter().map(|t| t.iter().any(|node| surface.is_at_crack(*node))).collect();
+    let of_pairs = |pairs: &[(u32, u32)]| {
+        let mut found = Candidates::default();
+        for (t1, t2) in pairs.iter().copied() {
+            let has_cracked = is_cracked[t1 as usize] || is_cracked[t2 as usize];
+            if (!has_cracked && share_a_node(surface, t1, t2))
+                || !overlap(&boxes.boxes[t1 as usize], &boxes.boxes[t2 as usize])
+            {
+                continue;
+            }
+            push_nodes(&mut found.node_on_second, (surface, boxes, t1), (surface, boxes, t2), false);
+            push_nodes(&mut found.node_on_second, (surface, boxes, t2), (surface, boxes, t1), false);
+            push_edges(&mut found.edge_pairs, (surface, boxes, t1), (surface, boxes, t2), false);
         }
-        push_nodes(&mut found.node_on_second, (surface, boxes, t1), (surface, boxes, t2), false);
-        push_nodes(&mut found.node_on_second, (surface, boxes, t2), (surface, boxes, t1), false);
-        push_edges(&mut found.edge_pairs, (surface, boxes, t1), (surface, boxes, t2), false);
+        found
+    };
+    let mut found = Candidates::default();
+    for part in pairs.par_chunks(PAIRS_AT_ONCE).map(of_pairs).collect::<Vec<_>>() {
+        found.node_on_second.extend(part.node_on_second);
+        found.edge_pairs.extend(part.edge_pairs);
     }
     found.node_on_second.retain(|(node, triangle)| {
         !surface.triangles[*triangle as usize].contains(node) && own.node_may_touch(*node, *triangle)
@@ -210,13 +233,16 @@ pub fn within(own: &OwnFeatures, boxes: &SurfaceBoxes) -> Candidates {
         let [p, q] = [e1, e2].map(|e| surface.edges[*e as usize].nodes);
         p.iter().all(|n| !q.contains(n)) && own.edges_may_touch(*e1, *e2)
     });
+    found.sort_nodes();
     found.with_twins(surface)
 }
 
-/// Whether two triangles share a node and no crack runs there.
-fn are_adjacent(surface: &ContactSurface, t1: u32, t2: u32) -> bool {
+/// Pairs of triangles that one task looks at.
+const PAIRS_AT_ONCE: usize = 16_384;
+
+fn share_a_node(surface: &ContactSurface, t1: u32, t2: u32) -> bool {
     let [n1, n2] = [t1, t2].map(|t| surface.triangles[t as usize]);
-    n1.iter().any(|n| n2.contains(n)) && n1.iter().chain(&n2).all(|n| !surface.is_at_crack(*n))
+    n1.iter().any(|n| n2.contains(n))
 }
 
 /// Share of their margins that features may have moved by the end of a step for which their boxes still serve.
@@ -252,19 +278,27 @@ fn push_edges(out: &mut Vec<(u32, u32)>, first: Speaker, second: Speaker, is_swe
     let sharp = |(surface, boxes, t): Speaker| {
         surface.owned_edges[t as usize].map(|e| {
             let edge = e.filter(|e| surface.edges[*e as usize].is_sharp)?;
-            let ends = surface.edges[edge as usize].nodes.map(|n| boxes.positions_m[n as usize]);
-            Some((edge, box_around(ends, boxes.margin_m), ends))
+            Some((edge, surface.edges[edge as usize].nodes.map(|n| boxes.positions_m[n as usize])))
         })
     };
     let margins_m = first.1.margin_m + second.1.margin_m;
     let others = sharp(second);
-    for (e1, box1, p) in sharp(first).into_iter().flatten() {
-        for (e2, box2, q) in others.iter().flatten() {
-            if is_swept || (overlap(&box1, box2) && are_lines_near(p, *q, margins_m)) {
+    if others.iter().all(Option::is_none) {
+        return;
+    }
+    for (e1, p) in sharp(first).into_iter().flatten() {
+        for (e2, q) in others.iter().flatten() {
+            if is_swept || (are_boxes_near(p, *q, margins_m) && are_lines_near(p, *q, margins_m)) {
                 out.push((e1, *e2));
             }
         }
     }
+}
+
+/// Whether the boxes around two edges come as near as the margins allow.
+fn are_boxes_near(p: [DVec3; 2], q: [DVec3; 2], margins_m: f64) -> bool {
+    let between = p[0].min(p[1]).max(q[0].min(q[1])) - p[0].max(p[1]).min(q[0].max(q[1]));
+    between.max_element() <= margins_m
 }
 
 /// Whether the lines through two edges come as near as the margins allow.

@@ -23,7 +23,7 @@ pub struct CloseList {
     twin_states: Vec<TwinState>,
     /// Way that points may have made relative to each other since the search, m.
     travelled_m: f64,
-    /// By candidate: the travelled way at which it must be looked at again, m.
+    /// By candidate: the travelled way at which it must be looked at again, m; negative where it is close until then.
     wake: Wake,
     /// Way that points may make in the present step, m.
     way_m: f64,
@@ -93,18 +93,21 @@ impl Look<'_> {
     fn over(self, all: &Candidates, states: &[TwinState], wake: &mut Wake) {
         let Self { close, .. } = self;
         close.clear();
+        let (before_m, reach_m) = (self.before_m, self.reach_m);
         let due = |wake_m: &mut f64, clearance_m: &dyn Fn() -> f64| {
-            if *wake_m > self.before_m + self.reach_m {
-                return false;
+            if *wake_m > before_m + reach_m || *wake_m < -before_m {
+                return *wake_m < 0.0;
             }
             let clearance_m = clearance_m();
-            *wake_m = self.before_m + clearance_m;
-            clearance_m <= self.reach_m
+            let is_close = clearance_m <= reach_m;
+            *wake_m = if is_close { -(before_m + reach_m) } else { before_m + clearance_m };
+            is_close
         };
         for (i, wake_m) in wake.node_on_second_m.iter_mut().enumerate() {
             let pair = all.node_on_second[i];
             if all.is_left_by_twins(i, states) && due(wake_m, &|| node_clearance_m(self.pair, 0, pair)) {
                 close.node_on_second.push(pair);
+                close.were_one.extend(all.were_one.get(i));
             }
         }
         for (wake_m, pair) in wake.node_on_first_m.iter_mut().zip(&all.node_on_first) {
@@ -118,8 +121,6 @@ impl Look<'_> {
                 close.edge_pairs.push(pair);
             }
         }
-        close.node_on_second.sort_unstable();
-        close.node_on_first.sort_unstable();
     }
 }
 

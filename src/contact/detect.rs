@@ -202,18 +202,15 @@ impl Near {
         (candidates, twin_states): (&Candidates, &[TwinState]),
         [way_m, slack_m]: [f64; 2],
     ) -> Self {
-        let near_nodes = |side: usize, nodes: &[(u32, u32)]| {
+        let near_nodes = |side: usize, nodes: &[(u32, u32)], were_one: &[bool]| {
             let side = NodeSide::new(pair, side);
-            let near = nodes.iter().filter_map(|c| side.near(*c, way_m, slack_m));
-            let mut near: Vec<NearPair> = near.collect();
-            if !near.is_sorted_by_key(|n| n.feature) {
-                near.sort_by_key(|n| n.feature);
-            }
-            near
+            let were_one = |i: usize| were_one.get(i) == Some(&true);
+            let near = nodes.iter().enumerate();
+            near.filter_map(|(i, c)| side.near(*c, were_one(i), [way_m, slack_m])).collect()
         };
         let c = candidates;
         Self {
-            nodes: [near_nodes(0, &c.node_on_second), near_nodes(1, &c.node_on_first)],
+            nodes: [near_nodes(0, &c.node_on_second, &c.were_one), near_nodes(1, &c.node_on_first, &[])],
             edges: c.edge_pairs.iter().filter_map(|c| near_edges(pair, *c, way_m + slack_m)).collect(),
             twins: near_twins(pair, twin_states, way_m + slack_m),
         }
@@ -343,13 +340,17 @@ impl<'a> NodeSide<'a> {
     }
 
     /// The node and the patch if they may touch.
-    fn near(&self, (node, triangle): (u32, u32), way_m: f64, slack_m: f64) -> Option<NearPair> {
+    fn near(
+        &self,
+        (node, triangle): (u32, u32),
+        were_one: bool,
+        [way_m, slack_m]: [f64; 2],
+    ) -> Option<NearPair> {
         let [own, other] = &self.views;
         let corners = other.surface.triangles[triangle as usize];
         let size_m =
             other.surface.triangle_size_m[triangle as usize].min(own.surface.node_size_m[node as usize]);
         let is_own = self.bodies[0] == self.bodies[1];
-        let were_one = is_own && other.surface.were_one(node, triangle);
         let x = own.positions_m[node as usize];
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
         let far = if is_own { OWN_NEAR } else { NEAR };
