@@ -86,6 +86,10 @@ fn fine_scenes_differ_in_resolution_only() {
         let [coarse, fine] = [builtin.name, fine.name].map(|name| Scene::load(name, &[]).unwrap());
         let elements = |scene| summary_of(scene).elements();
         assert!(elements(&fine) > 3 * elements(&coarse), "{}", fine.name);
+        // A fine pile under a flat press fails everywhere at once: to show one band it is pressed in another way.
+        if builtin.name == "pile-press" {
+            continue;
+        }
         for (a, b) in coarse.setup.bodies.iter().zip(&fine.setup.bodies) {
             assert_eq!((&a.name, &a.materials, &a.motion), (&b.name, &b.materials, &b.motion));
             assert_eq!((a.velocity_m_s, a.spin_rad_s), (b.velocity_m_s, b.spin_rad_s));

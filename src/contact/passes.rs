@@ -14,7 +14,7 @@ const PENETRATION_LEFT: f64 = 1e-4;
 /// Penetration within a body up to which no more passes are asked for, as a share of the local size.
 const OWN_PENETRATION_LEFT: f64 = 3e-4;
 /// Passes after which a response within a body gives up.
-const OWN_MOST_PASSES: u32 = 60;
+const OWN_MOST_PASSES: u32 = 120;
 /// Mobility along the normal, over that along the freest axis, below which a pair cannot be opened.
 const LEAST_BLOCK: f64 = 1e-3;
 /// Pairs that say nearly the same settle more slowly than the passes asked for allow: they get this many times as many.

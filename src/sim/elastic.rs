@@ -136,7 +136,7 @@ impl Body {
     fn damp_fragments(&mut self, factor: f64) {
         let Some(breaking) = &self.breaking else { return };
         let fragment_of_node = breaking.fragment_of_node();
-        let mut rigid = vec![RigidSums::default(); breaking.solid.fragments().list().len()];
+        let mut rigid = vec![RigidSums::ZERO; breaking.solid.fragments().list().len()];
         let nodes = || fragment_of_node.iter().zip(&self.mass_kg).zip(&self.position_m);
         for (((fragment, m), x), v) in nodes().zip(&self.velocity_m_s) {
             if let Some(sums) = rigid.get_mut(*fragment as usize) {
@@ -295,7 +295,7 @@ fn rigid_velocity(mass_kg: &[f64], positions_m: &[DVec3], velocities_m_s: &[DVec
 }
 
 /// Sums over nodes that give their rigid motion, about the first of them, so that a small piece far away keeps its digits.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct RigidSums {
     origin_m: Option<DVec3>,
     mass_kg: f64,
@@ -306,6 +306,16 @@ struct RigidSums {
 }
 
 impl RigidSums {
+    // The default of a matrix is the identity.
+    const ZERO: Self = Self {
+        origin_m: None,
+        mass_kg: 0.0,
+        moment_kg_m: DVec3::ZERO,
+        momentum: DVec3::ZERO,
+        angular_momentum: DVec3::ZERO,
+        inertia_kg_m2: DMat3::ZERO,
+    };
+
     fn add(&mut self, mass_kg: f64, position_m: DVec3, velocity_m_s: DVec3) {
         let arm_m = position_m - *self.origin_m.get_or_insert(position_m);
         self.mass_kg += mass_kg;
@@ -343,5 +353,25 @@ fn for_nodes(out: &mut [DVec3], with: &[DVec3], f: impl Fn(&mut DVec3, &DVec3) +
         chunks.for_each(|(out, with)| out.iter_mut().zip(with).for_each(|(o, w)| f(o, w)));
     } else {
         out.iter_mut().zip(with).for_each(|(o, w)| f(o, w));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_give_the_rigid_motion_of_scattered_nodes() {
+        let at_m = |i: f64| DVec3::new((3.1 * i).sin(), (1.7 * i).cos() + 50.0, (0.6 * i * i).sin());
+        let nodes: Vec<(f64, DVec3, DVec3)> =
+            (0..9).map(f64::from).map(|i| (1.0 + i, at_m(i), at_m(i + 0.3) * 2.0)).collect();
+        let mut sums = RigidSums::ZERO;
+        nodes.iter().for_each(|(m, x, v)| sums.add(*m, *x, *v));
+        let (centre, velocity, spin) = sums.motion();
+        // What is left of the motion has neither momentum nor angular momentum.
+        let rest = |(m, x, v): &(f64, DVec3, DVec3)| (*v - velocity - spin.cross(*x - centre)) * *m;
+        let momentum: DVec3 = nodes.iter().map(rest).sum();
+        let angular: DVec3 = nodes.iter().map(|node| (node.1 - centre).cross(rest(node))).sum();
+        assert!(momentum.length() < 1e-11 && angular.length() < 1e-11, "{momentum} {angular}");
     }
 }
