@@ -13,8 +13,10 @@ use glam::DVec3;
 const PENETRATION_LEFT: f64 = 1e-4;
 /// Penetration within a body up to which no more passes are asked for, as a share of the local size.
 const OWN_PENETRATION_LEFT: f64 = 3e-4;
-/// Passes after which a response within a body gives up.
-const OWN_MOST_PASSES: u32 = 120;
+/// Passes without improvement after which a response within a body gives up: some pairs are as deep as they yield.
+const OWN_STALLED: u32 = 12;
+/// What counts as improvement of the excess depth.
+const IMPROVEMENT: f64 = 0.95;
 /// Mobility along the normal, over that along the freest axis, below which a pair cannot be opened.
 const LEAST_BLOCK: f64 = 1e-3;
 /// Pairs that say nearly the same settle more slowly than the passes asked for allow: they get this many times as many.
@@ -37,18 +39,42 @@ pub(super) fn settle(
     let mut memory = Anderson::default();
     let is_own = rows.iter().any(PairRow::is_own);
     let patience = if is_own { OWN_PATIENCE } else { PATIENCE };
+    let mut progress = Progress::default();
     loop {
         let pass = Pass::over(rows, nodes);
         report.last_change = pass.relative_change();
         report.passes += 1;
         let is_settled = report.last_change < p.tolerance;
         let is_time = is_settled || report.passes >= p.passes * patience;
-        let is_done = is_time && (report.last_change < 1e-12 || !penetrates(rows, nodes, (p.step_s, is_own)));
+        let is_done = is_time && {
+            let excess = excess_depth(rows, nodes, (p.step_s, is_own));
+            report.last_change < 1e-12 || excess <= 0.0 || (is_own && progress.has_stalled(excess))
+        };
         // The last word has a plain pass, in which every pair obeys its law.
-        if is_done || report.passes >= if is_own { most_passes.min(OWN_MOST_PASSES) } else { most_passes } {
+        if is_done || report.passes >= most_passes {
             return report;
         }
         memory.accelerate(rows, nodes, pass);
+    }
+}
+
+/// Whether passes still get anywhere.
+#[derive(Default)]
+struct Progress {
+    best: Option<f64>,
+    passes_since: u32,
+}
+
+impl Progress {
+    /// Takes note of the excess depth after a pass.
+    fn has_stalled(&mut self, excess: f64) -> bool {
+        if self.best.is_none_or(|best| excess < IMPROVEMENT * best) {
+            self.best = Some(excess);
+            self.passes_since = 0;
+        } else {
+            self.passes_since += 1;
+        }
+        self.passes_since >= OWN_STALLED
     }
 }
 
@@ -154,17 +180,19 @@ fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-/// Whether a pair would end the step too deep. `is_own` where bodies touch themselves, and few passes are taken for granted:
-/// there small steps into each other would add up.
-fn penetrates(rows: &[PairRow], nodes: &[ContactNode], (step_s, is_own): (f64, bool)) -> bool {
-    rows.iter().any(|row| {
+/// By how much the deepest pair would end the step too deep, as a share of the local size. `is_own` where bodies touch
+/// themselves, and few passes are taken for granted: there small steps into each other would add up.
+fn excess_depth(rows: &[PairRow], nodes: &[ContactNode], (step_s, is_own): (f64, bool)) -> f64 {
+    let excess = |row: &PairRow| {
+        let depth_m = -row.gap_m - step_s * row.at.velocity(nodes).dot(row.normal);
         let allowed_m = if is_own {
             (OWN_PENETRATION_LEFT * row.size_m).max(-row.gap_m)
         } else {
             PENETRATION_LEFT * row.size_m - row.gap_m.min(0.0)
         };
-        row.gap_m + step_s * row.at.velocity(nodes).dot(row.normal) < -allowed_m
-    })
+        (depth_m - allowed_m) / row.size_m
+    };
+    rows.iter().map(excess).fold(0.0, f64::max)
 }
 
 /// A pair with its block and its impulse, ready to be solved again and again: what the passes need and no more, since they

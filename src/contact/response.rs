@@ -31,7 +31,7 @@ const OBSTRUCTED: f64 = 0.5;
 /// interlock, so that one pair's way out is another's way in.
 const OWN_SLACK: f64 = 1e-4;
 /// Share of what is deeper that one step pushes out there.
-const OWN_PUSH: f64 = 0.1;
+const OWN_PUSH: f64 = 0.25;
 
 /// Parameters of the response.
 #[derive(Clone, Copy, Debug, PartialEq)]
