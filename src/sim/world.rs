@@ -203,7 +203,7 @@ impl World {
             elements: deformable().map(|b| b.tets.len()).sum(),
             nodes: deformable().map(|b| b.reference_m.len()).sum(),
             fragments: self.fragments,
-            crack_area_m2: self.breaking().map(|b| b.crack_area_m2).sum(),
+            crack_area_m2: self.breaking().fold(0.0, |sum, b| sum + b.crack_area_m2),
         }
     }
 
