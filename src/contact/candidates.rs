@@ -92,10 +92,10 @@ pub struct Candidates {
     /// Of a body with itself: the twins that speak for an entry of `node_on_second` while they are together, or
     /// [`NO_TWINS`].
     pub(super) node_twins: Vec<u32>,
-    /// Whether a crack parted the node and the triangle of an entry of `node_on_second`.
-    pub(super) were_one: Vec<bool>,
     /// The same for `edge_pairs`, at up to two ends.
     pub(super) edge_twins: Vec<[u32; 2]>,
+    /// Of a body with itself: whether a crack parted the node and the triangle of an entry of `node_on_second`.
+    pub(super) were_one: Vec<bool>,
 }
 
 fn state_of(twins: u32, states: &[TwinState]) -> TwinState {
@@ -150,13 +150,13 @@ impl Candidates {
         })
     }
 
-    /// The same for an entry of `edge_pairs`.
+    /// Whether twins leave it to an entry of `edge_pairs` itself to tell contact.
     pub(super) fn edges_are_left_by_twins(&self, entry: usize, states: &[TwinState]) -> bool {
         let mut ends = self.edge_twins.get(entry).into_iter().flatten();
         ends.all(|twins| state_of(*twins, states) != TwinState::Together)
     }
 
-    /// The same, with the twins of each entry; of a body with itself.
+    /// The same candidates of a body with itself, with what is known of the twins of each entry.
     #[must_use]
     pub(super) fn with_twins(mut self, surface: &ContactSurface) -> Self {
         let twin =

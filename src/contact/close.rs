@@ -68,13 +68,8 @@ impl CloseList {
         self.way_m = way_m;
         self.twin_states = pair.twin_states(slack_m);
         self.wake.fit(all);
-        let look = Look {
-            pair,
-            before_m: self.travelled_m,
-            reach_m: SPEED_UP * way_m + slack_m,
-            close: &mut self.candidates,
-        };
-        look.over(all, &self.twin_states, &mut self.wake);
+        let look = Look { pair, before_m: self.travelled_m, reach_m: SPEED_UP * way_m + slack_m };
+        look.over((all, &self.twin_states), &mut self.wake, &mut self.candidates);
         self.travelled_m += SPEED_UP * way_m;
     }
 }
@@ -86,38 +81,42 @@ struct Look<'a> {
     before_m: f64,
     /// Way up to which candidates are close, m.
     reach_m: f64,
-    close: &'a mut Candidates,
 }
 
 impl Look<'_> {
-    fn over(self, all: &Candidates, states: &[TwinState], wake: &mut Wake) {
-        let Self { close, .. } = self;
+    /// Whether a candidate is close; asks for its clearance only when it is due.
+    fn finds_close(&self, wake_m: &mut f64, clearance_m: impl FnOnce() -> f64) -> bool {
+        let Self { before_m, reach_m, .. } = *self;
+        if *wake_m > before_m + reach_m || *wake_m < -before_m {
+            return *wake_m < 0.0;
+        }
+        let clearance_m = clearance_m();
+        let is_close = clearance_m <= reach_m;
+        *wake_m = if is_close { -(before_m + reach_m) } else { before_m + clearance_m };
+        is_close
+    }
+
+    fn over(&self, (all, states): (&Candidates, &[TwinState]), wake: &mut Wake, close: &mut Candidates) {
         close.clear();
-        let (before_m, reach_m) = (self.before_m, self.reach_m);
-        let due = |wake_m: &mut f64, clearance_m: &dyn Fn() -> f64| {
-            if *wake_m > before_m + reach_m || *wake_m < -before_m {
-                return *wake_m < 0.0;
-            }
-            let clearance_m = clearance_m();
-            let is_close = clearance_m <= reach_m;
-            *wake_m = if is_close { -(before_m + reach_m) } else { before_m + clearance_m };
-            is_close
-        };
         for (i, wake_m) in wake.node_on_second_m.iter_mut().enumerate() {
             let pair = all.node_on_second[i];
-            if all.is_left_by_twins(i, states) && due(wake_m, &|| node_clearance_m(self.pair, 0, pair)) {
+            if all.is_left_by_twins(i, states)
+                && self.finds_close(wake_m, || node_clearance_m(self.pair, 0, pair))
+            {
                 close.node_on_second.push(pair);
                 close.were_one.extend(all.were_one.get(i));
             }
         }
         for (wake_m, pair) in wake.node_on_first_m.iter_mut().zip(&all.node_on_first) {
-            if due(wake_m, &|| node_clearance_m(self.pair, 1, *pair)) {
+            if self.finds_close(wake_m, || node_clearance_m(self.pair, 1, *pair)) {
                 close.node_on_first.push(*pair);
             }
         }
         for (i, wake_m) in wake.edge_pairs_m.iter_mut().enumerate() {
             let pair = all.edge_pairs[i];
-            if all.edges_are_left_by_twins(i, states) && due(wake_m, &|| edge_clearance_m(self.pair, pair)) {
+            if all.edges_are_left_by_twins(i, states)
+                && self.finds_close(wake_m, || edge_clearance_m(self.pair, pair))
+            {
                 close.edge_pairs.push(pair);
             }
         }

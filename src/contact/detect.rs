@@ -355,19 +355,19 @@ impl<'a> NodeSide<'a> {
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
         let far = if is_own { OWN_NEAR } else { NEAR };
         let above_m = far * size_m + way_m + slack_m;
-        if is_out_of_reach(x, patch_m, [above_m, self.pair.depths.held * size_m]) {
+        let height = Height::of(x, patch_m);
+        if height.is_beyond([above_m, self.pair.depths.held * size_m]) {
             return None;
         }
         // Deep down among cracks lies much that never pressed.
         if self.pair.is_own_and_cracked()
-            && is_out_of_reach(x, patch_m, [above_m, self.pair.depths.new * size_m])
+            && height.is_beyond([above_m, self.pair.depths.new * size_m])
             && !self.holds_on(Feature::NodeOnPatch { node, triangle })
         {
             return None;
         }
         let path = self.paths(node, corners);
-        if is_own && is_out_of_reach(x, patch_m, [far * size_m + path.relative_m() + slack_m, f64::INFINITY])
-        {
+        if is_own && height.is_beyond([far * size_m + path.relative_m() + slack_m, f64::INFINITY]) {
             return None;
         }
         let geometry = Geometry::node_on_patch(x, patch_m)?;
@@ -440,13 +440,24 @@ fn foot(geometry: &Geometry) -> f64 {
     geometry.weights[1..].iter().map(|w| -w).fold(f64::INFINITY, f64::min)
 }
 
-/// A cheap look before the geometry: whether the node is further above the patch's plane or deeper below it
-/// than the two ways, m.
-fn is_out_of_reach(x: DVec3, patch_m: [DVec3; 3], [above_m, below_m]: [f64; 2]) -> bool {
-    let normal = (patch_m[1] - patch_m[0]).cross(patch_m[2] - patch_m[0]);
-    let height = (x - patch_m[0]).dot(normal);
-    let reach_m = if height > 0.0 { above_m } else { below_m };
-    height * height > reach_m * reach_m * normal.length_squared()
+/// Height of a node above a patch's plane: a cheap look before the geometry.
+struct Height {
+    /// Times the length of the normal.
+    scaled: f64,
+    normal_squared: f64,
+}
+
+impl Height {
+    fn of(x: DVec3, patch_m: [DVec3; 3]) -> Self {
+        let normal = (patch_m[1] - patch_m[0]).cross(patch_m[2] - patch_m[0]);
+        Self { scaled: (x - patch_m[0]).dot(normal), normal_squared: normal.length_squared() }
+    }
+
+    /// Whether the node is further above the plane or deeper below it than the two ways, m.
+    fn is_beyond(&self, [above_m, below_m]: [f64; 2]) -> bool {
+        let reach_m = if self.scaled > 0.0 { above_m } else { below_m };
+        self.scaled * self.scaled > reach_m * reach_m * self.normal_squared
+    }
 }
 
 /// The straight paths of a node and a patch over a step.

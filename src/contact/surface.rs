@@ -145,6 +145,7 @@ impl ContactSurface {
         self.crack_triangles = NodeLists::new(at_nodes.collect(), self.node_size_m.len());
         self.twins = Twins::of(&CrackFaces {
             triangles: &self.triangles,
+            surface_nodes: &self.nodes,
             sides: &sides,
             at_nodes: &self.crack_triangles,
             node_size_m: &self.node_size_m,
@@ -152,6 +153,13 @@ impl ContactSurface {
         });
         self.crack_sides = sides;
         self
+    }
+
+    /// Mean local element size, m.
+    #[must_use]
+    pub fn mean_size_m(&self) -> f64 {
+        let sizes = &self.triangle_size_m;
+        sizes.iter().sum::<f64>() / sizes.len().max(1) as f64
     }
 
     /// Whether any triangle is a crack face.
@@ -172,12 +180,6 @@ impl ContactSurface {
         let Some(CrackSide { pair, above }) = self.crack_sides[triangle as usize] else { return false };
         let other_side = Some(CrackSide { pair, above: !above });
         self.crack_triangles.of(node).iter().any(|t| self.crack_sides[*t as usize] == other_side)
-    }
-
-    /// Whether an edge of the surface joins two nodes.
-    #[must_use]
-    pub fn are_joined(&self, n: u32, m: u32) -> bool {
-        self.neighbours.of(n).contains(&m)
     }
 
     /// Mean of the unit vectors along the surface edges at a node: points into the body at a convex corner,

@@ -42,6 +42,7 @@ pub(super) struct Twins {
 /// What the twins of a surface are found from.
 pub(super) struct CrackFaces<'a> {
     pub triangles: &'a [[u32; 3]],
+    pub surface_nodes: &'a [u32],
     pub sides: &'a [Option<CrackSide>],
     /// Crack faces at each node.
     pub at_nodes: &'a NodeLists,
@@ -53,7 +54,8 @@ impl Twins {
     pub fn of(cracks: &CrackFaces) -> Self {
         let count = cracks.reference_m.len();
         let place = |node: u32| cracks.reference_m[node as usize].to_array().map(f64::to_bits);
-        let mut nodes: Vec<u32> = (0..count as u32).filter(|n| !cracks.at_nodes.of(*n).is_empty()).collect();
+        let is_at_crack = |node: &u32| !cracks.at_nodes.of(*node).is_empty();
+        let mut nodes: Vec<u32> = cracks.surface_nodes.iter().copied().filter(is_at_crack).collect();
         nodes.sort_by_cached_key(|node| (place(*node), *node));
         let mut pairs = Vec::new();
         for together in nodes.chunk_by(|a, b| place(*a) == place(*b)) {

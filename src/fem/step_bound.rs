@@ -91,29 +91,38 @@ impl StepBound {
             stiffer
         } else {
             cut.iter().zip(weights).for_each(|(e, weight)| self.weights_per_kg[*e as usize] = weight);
-            self.share(body, &nodes, &around)
+            self.add_up(body, &nodes);
+            plain
         };
         kept.0.iter().for_each(|(e, eigenvalue)| self.eigenvalues[*e as usize] = *eigenvalue);
         self.renew_blocks(body.elements, around.into_iter());
     }
 
-    /// Adds up the weights at these nodes and finds the eigenvalues of these elements, which are all that have such nodes.
+    fn weight(&self, elements: &ElementBatches, element: u32) -> f64 {
+        self.weights_per_kg[element as usize] * elements.masses_kg[element as usize]
+    }
+
+    /// Adds up the weights at these nodes.
+    fn add_up<'a, At: Fn(u32) -> &'a [u32]>(&mut self, body: &CutBody<'a, At>, nodes: &[u32]) {
+        for node in nodes {
+            let at_node = (body.elements_at)(*node).iter();
+            self.weights_at_nodes[*node as usize] = at_node.map(|e| self.weight(body.elements, *e)).sum();
+        }
+    }
+
+    /// The eigenvalues of these elements, which are all that have such nodes, with the weights as they are.
     fn share<'a, At: Fn(u32) -> &'a [u32]>(
         &mut self,
         body: &CutBody<'a, At>,
         nodes: &[u32],
         elements: &[u32],
     ) -> Eigenvalues {
-        let weight = |e: usize| self.weights_per_kg[e] * body.elements.masses_kg[e];
-        for node in nodes {
-            let at_node = (body.elements_at)(*node).iter();
-            self.weights_at_nodes[*node as usize] = at_node.map(|e| weight(*e as usize)).sum();
-        }
+        self.add_up(body, nodes);
         let eigenvalue = |e: &u32| {
             let element = *e as usize;
             let tet = body.elements.tets[element];
             let corner_kg = tet.map(|node| {
-                let share = weight(element) / self.weights_at_nodes[node as usize];
+                let share = self.weight(body.elements, *e) / self.weights_at_nodes[node as usize];
                 body.node_masses_kg[node as usize] * share
             });
             let gradients_per_m = gradients_per_m(&tet.map(|node| body.reference_m[node as usize]));

@@ -145,8 +145,7 @@ impl Body {
         let (elasticity, mass_kg) = build_elasticity(setup)?;
         let reference = MassProperties::of_points(&mass_kg, &mesh.nodes_m);
         let arms_m: Vec<DVec3> = mesh.nodes_m.iter().map(|x| *x - reference.centre_m).collect();
-        let sizes = &surface.triangle_size_m;
-        let mean_size_m = sizes.iter().sum::<f64>() / sizes.len().max(1) as f64;
+        let mean_size_m = surface.mean_size_m();
         let nodes = mesh.nodes_m.len();
         let mut body = Self {
             name: setup.name.clone(),

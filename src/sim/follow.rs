@@ -75,8 +75,7 @@ impl Body {
         let sides = crack_sides(solid, &self.boundary);
         self.surface =
             ContactSurface::new(&self.boundary, &self.reference_m).with_cracks(sides, &self.reference_m);
-        let sizes = &self.surface.triangle_size_m;
-        self.mean_size_m = sizes.iter().sum::<f64>() / sizes.len().max(1) as f64;
+        self.mean_size_m = self.surface.mean_size_m();
     }
 
     /// New nodes are held as their parents are: twins as the node they were one with, nodes on an edge as far as both of
