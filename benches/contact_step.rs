@@ -10,11 +10,13 @@
 
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, measurement::WallTime};
 use glam::DVec3;
-use hammerfall::contact::candidates::{Candidates, SurfaceBoxes, between};
+use hammerfall::contact::candidates::{Candidates, between};
 use hammerfall::contact::constraint::Feature;
 use hammerfall::contact::nodes::{ContactNode, NodeTable};
 use hammerfall::contact::response::{ResponseParameters, ResponseReport, set_targets, solve, sort_by_place};
-use hammerfall::contact::{BodyView, CollisionList, Constraint, ContactSurface, Near, PairDepths, PairView};
+use hammerfall::contact::{
+    BodyView, CloseList, CollisionList, Constraint, ContactSurface, Near, PairDepths, PairView, SurfaceBoxes,
+};
 use hammerfall::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
 use hammerfall::mesh::{Surface, TetMesh};
 use hammerfall::sim::{
@@ -142,7 +144,9 @@ impl Press {
         let fastest_m_s = self.bodies.iter().flat_map(|b| &b.velocities_m_s);
         let fastest_m_s = fastest_m_s.map(|v| v.length()).fold(0.0, f64::max);
         let mut found = Vec::new();
-        Near::of(&pair, candidates, [fastest_m_s * step_s, 0.0]).find(&pair, &mut found);
+        let mut close = CloseList::default();
+        close.renew(&pair, candidates, [fastest_m_s * step_s, 0.0]);
+        Near::of_close(&pair, &close, 0.0).find(&pair, &mut found);
         found
     }
 

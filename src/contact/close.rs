@@ -3,14 +3,18 @@
 //! The boxes of the search are wide, so that they last; most of what they find is far from touching. Each candidate that is
 //! looked at and found out of reach sleeps until the bodies may have moved by as much as it lacks.
 
-use super::candidates::Candidates;
-use super::detect::{NEAR, PairDepths, PairView};
+use super::boxes::SurfaceBoxes;
+use super::candidates::{Boxed, Candidates};
+use super::detect::{NEAR, PairDepths, PairView, ThrownNodes};
+use super::follow::Origins;
 use super::geometry::{barycentric, closest_on_lines};
+use super::own::OwnFeatures;
 use super::twins::TwinState;
+use crate::mesh::Renumbering;
 use glam::DVec3;
 
 /// Ways count by this factor: contact may speed them up within the steps to come.
-const SPEED_UP: f64 = 2.0;
+pub(super) const SPEED_UP: f64 = 2.0;
 /// Shift of a foot in its plane, over the way of the points: a patch may turn.
 const SHIFT: f64 = 2.0;
 /// Squared sine of the angle between edges below which their closest points move too fast to say anything.
@@ -23,6 +27,8 @@ pub struct CloseList {
     twin_states: Vec<TwinState>,
     /// Way that points may have made relative to each other since the search, m.
     travelled_m: f64,
+    /// The same before the present step, m.
+    before_m: f64,
     /// By candidate: the travelled way at which it must be looked at again, m; negative where it is close until then.
     wake: Wake,
     /// Way that points may make in the present step, m.
@@ -42,9 +48,83 @@ impl Wake {
         self.node_on_first_m.resize(all.node_on_first.len(), 0.0);
         self.edge_pairs_m.resize(all.edge_pairs.len(), 0.0);
     }
+
+    fn follow(&mut self, origins: &Origins) {
+        let of = |wake_m: &[f64], origins: &[Option<u32>]| {
+            let was =
+                |origin: &Option<u32>| origin.and_then(|o| wake_m.get(o as usize)).copied().unwrap_or(0.0);
+            origins.iter().map(was).collect()
+        };
+        self.node_on_second_m = of(&self.node_on_second_m, &origins.node_on_second);
+        self.node_on_first_m = of(&self.node_on_first_m, &origins.node_on_first);
+        self.edge_pairs_m = of(&self.edge_pairs_m, &origins.edge_pairs);
+    }
 }
 
 impl CloseList {
+    /// Follows a cut of one of two bodies; `all` are the candidates before it, and are brought up to date.
+    pub fn follow_between(
+        &mut self,
+        all: &mut Candidates,
+        [first, second]: [Boxed; 2],
+        numbers: [Option<&Renumbering>; 2],
+    ) {
+        let (now, origins) = all.follow_between(first, second, numbers);
+        *all = now;
+        self.wake.follow(&origins);
+    }
+
+    /// Follows a cut of a body that is near itself; `all` are the candidates before it, and are brought up to date.
+    pub fn follow_within(
+        &mut self,
+        all: &mut Candidates,
+        (own, boxes): (&OwnFeatures, &SurfaceBoxes),
+        numbers: &Renumbering,
+    ) {
+        let (now, origins) = all.follow_within(own, boxes, numbers);
+        *all = now;
+        self.wake.follow(&origins);
+    }
+
+    /// Those of all candidates with thrown nodes that ways of up to `reach_m`, counted from before the step, may make
+    /// touch: more than the close ones when that is more than the list was made ready for.
+    pub(super) fn thrown_within(
+        &self,
+        all: &Candidates,
+        (states, thrown, pair): (&[TwinState], &ThrownNodes, &PairView),
+        reach_m: f64,
+    ) -> Candidates {
+        let is_near = |wake_m: f64| wake_m < 0.0 || wake_m <= self.before_m + reach_m;
+        let surface = |side: usize| pair.views[side].surface;
+        let nodes_fly = |side: usize, nodes: &[u32]| nodes.iter().any(|n| thrown.contains(side, *n));
+        let node_flies = |side: usize, (node, triangle): (u32, u32)| {
+            thrown.contains(side, node)
+                || nodes_fly(1 - side, &surface(1 - side).triangles[triangle as usize])
+        };
+        let edge_flies = |side: usize, edge: u32| nodes_fly(side, &surface(side).edges[edge as usize].nodes);
+        let mut near = Candidates::default();
+        for (i, pair) in all.node_on_second.iter().enumerate() {
+            let is_wanted = is_near(self.wake.node_on_second_m[i]) && node_flies(0, *pair);
+            if is_wanted && all.is_left_by_twins(i, states) {
+                near.node_on_second.push(*pair);
+                near.were_one.extend(all.were_one.get(i));
+            }
+        }
+        for (wake_m, pair) in self.wake.node_on_first_m.iter().zip(&all.node_on_first) {
+            if is_near(*wake_m) && node_flies(1, *pair) {
+                near.node_on_first.push(*pair);
+            }
+        }
+        for (i, (first, second)) in all.edge_pairs.iter().copied().enumerate() {
+            let is_wanted =
+                is_near(self.wake.edge_pairs_m[i]) && (edge_flies(0, first) || edge_flies(1, second));
+            if is_wanted && all.edges_are_left_by_twins(i, states) {
+                near.edge_pairs.push((first, second));
+            }
+        }
+        near
+    }
+
     /// The close candidates; of a body with itself only those that its twins leave.
     #[must_use]
     pub fn candidates(&self) -> &Candidates {
@@ -65,12 +145,14 @@ impl CloseList {
     /// Gets ready for a step in which points come nearer to each other by `way_m` at most, plus a slack by the
     /// response. `all` are the candidates of the search, always the same for one list.
     pub fn renew(&mut self, pair: &PairView, all: &Candidates, [way_m, slack_m]: [f64; 2]) {
+        // The last step went as fast as the bodies are now: the response may have thrown them farther than was reckoned with.
+        self.before_m = self.travelled_m + (way_m - SPEED_UP * self.way_m).max(0.0);
         self.way_m = way_m;
         self.twin_states = pair.twin_states(slack_m);
         self.wake.fit(all);
-        let look = Look { pair, before_m: self.travelled_m, reach_m: SPEED_UP * way_m + slack_m };
+        let look = Look { pair, before_m: self.before_m, reach_m: SPEED_UP * way_m + slack_m };
         look.over((all, &self.twin_states), &mut self.wake, &mut self.candidates);
-        self.travelled_m += SPEED_UP * way_m;
+        self.travelled_m = self.before_m + SPEED_UP * way_m;
     }
 }
 

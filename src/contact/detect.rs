@@ -5,7 +5,7 @@
 
 use super::atomic::{AtomicCase, Verdict};
 use super::candidates::Candidates;
-use super::close::CloseList;
+use super::close::{CloseList, SPEED_UP};
 use super::collision_list::CollisionList;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
@@ -170,6 +170,19 @@ impl NearPair {
     }
 }
 
+/// Nodes of two bodies (or of one with itself, twice) whose ways the response has changed by much.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ThrownNodes {
+    /// By body and node; empty where there are none.
+    pub of_bodies: [Vec<bool>; 2],
+}
+
+impl ThrownNodes {
+    pub(super) fn contains(&self, side: usize, node: u32) -> bool {
+        self.of_bodies[side].get(node as usize) == Some(&true)
+    }
+}
+
 /// All that may touch between two bodies within a step.
 #[derive(Clone, Debug, Default)]
 pub struct Near {
@@ -188,13 +201,27 @@ impl Near {
         Self::among(pair, (close.candidates(), close.twin_states()), [close.way_m(), slack_m])
     }
 
-    /// Sorts out the candidates that cannot touch in the step, whose points come no nearer to each other than by
-    /// `way_m`, even if their ways change by `slack_m` on top of that.
-    #[must_use]
-    pub fn of(pair: &PairView, candidates: &Candidates, [way_m, slack_m]: [f64; 2]) -> Self {
+    /// Looks again at what nodes may meet that the response has thrown: their ways, up to `way_m` now, may change by
+    /// `slack_m`. The rest stays as it was found.
+    pub fn look_again_at(
+        &mut self,
+        thrown: &ThrownNodes,
+        pair: &PairView,
+        (candidates, close): (&Candidates, &CloseList),
+        [way_m, slack_m]: [f64; 2],
+    ) {
         let states = pair.twin_states(slack_m);
-        let left = candidates.left_by_twins(&states);
-        Self::among(pair, (left.as_ref().unwrap_or(candidates), &states), [way_m, slack_m])
+        let reachable = close.thrown_within(candidates, (&states, thrown, pair), SPEED_UP * way_m + slack_m);
+        let found = Self::among(pair, (&reachable, &states), [way_m, slack_m]);
+        let stays = |n: &NearPair| !n.nodes.iter().any(|(side, node)| thrown.contains(*side as usize, *node));
+        for (kept, found) in self.nodes.iter_mut().zip(found.nodes) {
+            kept.retain(stays);
+            kept.extend(found);
+            kept.sort_by_key(|n| n.feature);
+        }
+        self.edges.retain(stays);
+        self.edges.extend(found.edges);
+        self.twins = found.twins;
     }
 
     fn among(
@@ -618,7 +645,7 @@ fn edge_fan(view: &BodyView, edge: u32) -> EdgeFan {
 
 #[cfg(test)]
 mod tests {
-    use super::super::candidates::{SurfaceBoxes, between};
+    use super::super::{SurfaceBoxes, candidates::between};
     use super::*;
     use crate::mesh::Surface;
 
@@ -645,7 +672,9 @@ mod tests {
             depths: PairDepths::CONSTRAINED,
         };
         let mut out = Vec::new();
-        Near::of(&pair, &candidates, [step_s * velocity.length(), 0.0]).find(&pair, &mut out);
+        let mut close = CloseList::default();
+        close.renew(&pair, &candidates, [step_s * velocity.length(), 0.0]);
+        Near::of_close(&pair, &close, 0.0).find(&pair, &mut out);
         out.len()
     }
 

@@ -4,12 +4,14 @@
 //! [`response`] solves them, [`impact`] keeps the energy of their impacts. [`time_of_impact`] and [`atomic`] decide when and whether a collision begins.
 
 pub mod atomic;
+mod boxes;
 pub mod candidates;
 pub mod close;
 pub mod collision_list;
 pub mod constraint;
 pub mod detect;
 mod first_guess;
+mod follow;
 mod geometry;
 pub mod impact;
 pub mod nodes;
@@ -20,9 +22,10 @@ pub mod surface;
 pub mod time_of_impact;
 mod twins;
 
+pub use boxes::SurfaceBoxes;
 pub use close::CloseList;
 pub use collision_list::CollisionList;
 pub use constraint::Constraint;
-pub use detect::{BodyView, Near, PairDepths, PairView};
+pub use detect::{BodyView, Near, PairDepths, PairView, ThrownNodes};
 pub use own::OwnFeatures;
 pub use surface::{ContactSurface, CrackSide};

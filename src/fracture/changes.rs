@@ -110,6 +110,16 @@ pub struct Changes {
 }
 
 impl Changes {
+    /// For each new node, the two nodes between which it lies, twice the same for a twin, and the weight of the second.
+    #[must_use]
+    pub fn parents(&self) -> Vec<([u32; 2], f64)> {
+        let of = |birth: &NodeBirth| match *birth {
+            NodeBirth::TwinOf(parent) => ([parent; 2], 0.0),
+            NodeBirth::OnEdge { ends, weight } => (ends, weight),
+        };
+        self.new_nodes.iter().map(of).collect()
+    }
+
     /// Whether nothing happened.
     #[must_use]
     pub fn is_empty(&self) -> bool {

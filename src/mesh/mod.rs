@@ -2,10 +2,12 @@
 
 pub mod import;
 mod quality;
+mod renumbering;
 pub mod shapes;
 mod surface;
 mod tet_mesh;
 
 pub use quality::{ElementShape, MeshReport, SLIVER_QUALITY, WorstElement};
+pub use renumbering::Renumbering;
 pub use surface::{NodeTets, Pieces, Surface, SurfaceEdge, TET_FACES};
 pub use tet_mesh::{TetMesh, signed_volume_m3};

@@ -16,6 +16,7 @@ use crate::fracture::{
     PrincipalStress, Propagation, Solid, StressMeasures,
 };
 use crate::math::symmetric_eigenvalues_estimate;
+use crate::mesh::Renumbering;
 use glam::{DMat3, DVec3};
 
 /// Crack speed over the slowest shear wave's, when the scene does not say.
@@ -246,11 +247,15 @@ fn safe_strain(norm_pa: f64, constants: &ElasticConstants) -> f64 {
 }
 
 impl Body {
-    /// Lets cracks grow at the end of a step where the body fails; tells whether any did.
+    /// Lets cracks grow at the end of a step where the body fails; tells what they did and what became of the numbers
+    /// of the surface.
     ///
     /// # Errors
     /// A typed criterion that cannot be evaluated for a stress that occurs.
-    pub fn let_cracks_grow(&mut self, context: &StepContext) -> Result<Option<Changes>, SimError> {
+    pub fn let_cracks_grow(
+        &mut self,
+        context: &StepContext,
+    ) -> Result<Option<(Changes, Renumbering)>, SimError> {
         let time_s = context.time_s;
         let Some(breaking) = &mut self.breaking else { return Ok(None) };
         if time_s < breaking.next_look_s {
@@ -268,8 +273,8 @@ impl Body {
             return Ok(None);
         }
         breaking.take_note(&changes, time_s);
-        self.follow(context, &changes)?;
-        Ok(Some(changes))
+        let numbers = self.follow(context, &changes)?;
+        Ok(Some((changes, numbers)))
     }
 
     fn failures(&self, time_s: f64) -> Result<Vec<Failure>, SimError> {

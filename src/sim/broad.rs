@@ -4,9 +4,10 @@
 //! boxes are fattened.
 
 use super::body::{Body, Regime};
-use crate::contact::candidates::{Candidates, SurfaceBoxes, between, within};
-use crate::contact::{CloseList, OwnFeatures};
+use crate::contact::candidates::{Candidates, between, within};
+use crate::contact::{CloseList, OwnFeatures, SurfaceBoxes};
 use crate::math::{DisjointSets, best_fit_rotation};
+use crate::mesh::Renumbering;
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 
@@ -21,7 +22,7 @@ const MOST_MARGIN_STEPS: f64 = 32.0;
 /// most of the search in soft bodies, candidates on the far side of thin ones the rest.
 const OWN_MARGIN: f64 = 0.3;
 /// The same once it has cracked: cuts call for new boxes anyway.
-const CRACKED_MARGIN: f64 = 0.1;
+const CRACKED_MARGIN: f64 = 0.3;
 
 /// Candidates of a pair of bodies and the states of the boxes they come from.
 pub(super) struct NearPair {
@@ -129,11 +130,45 @@ impl BroadPhase {
         self.entries.push(Entry::default());
     }
 
-    /// Forgets what is known of a body whose surface has changed.
+    /// Forgets what is known of a body.
     pub fn forget(&mut self, body: usize) {
         self.pairs.retain(|pair| !pair.bodies.contains(&body));
         let entry = &mut self.entries[body];
         *entry = Entry { stamp: entry.stamp + 1, ..Entry::default() };
+    }
+
+    /// Follows a cut of a body: see [`SurfaceBoxes::follow`].
+    pub fn follow_cut(
+        &mut self,
+        bodies: &[Body],
+        cut: usize,
+        numbers: &Renumbering,
+        parents: &[([u32; 2], f64)],
+    ) {
+        let surface = &bodies[cut].surface;
+        let Entry { boxes, own, .. } = &mut self.entries[cut];
+        let own = own.as_mut().map(|own| &mut own.boxes);
+        boxes.iter_mut().chain(own).for_each(|boxes| boxes.follow(surface, numbers, parents));
+        let entries = &self.entries;
+        self.pairs.retain_mut(|pair| {
+            let [first, second] = pair.bodies;
+            if first != cut && second != cut {
+                return true;
+            }
+            if first == second {
+                let Some(own) = &entries[cut].own else { return false };
+                let features = own_features(&bodies[cut]);
+                pair.close.follow_within(&mut pair.candidates, (&features, &own.boxes), numbers);
+                return true;
+            }
+            let [Some(a), Some(b)] = pair.bodies.map(|body| entries[body].boxes.as_ref()) else {
+                return false;
+            };
+            let boxed = [(&bodies[first].surface, a), (&bodies[second].surface, b)];
+            let of_pair = pair.bodies.map(|body| (body == cut).then_some(numbers));
+            pair.close.follow_between(&mut pair.candidates, boxed, of_pair);
+            true
+        });
     }
 
     /// First half of the update: bounds of all bodies, and which of them come near others. `step_s` is the length of
@@ -202,13 +237,7 @@ impl BroadPhase {
             if let Some(pair) = kept.filter(|p| p.stamps == stamps) {
                 return Some(pair);
             }
-            let body = &bodies[first];
-            let features = OwnFeatures {
-                surface: &body.surface,
-                reference_m: &body.reference_m,
-                positions_m: &body.position_m,
-            };
-            let candidates = within(&features, &own.boxes);
+            let candidates = within(&own_features(&bodies[first]), &own.boxes);
             return Some(NearPair { bodies: key, candidates, close: CloseList::default(), stamps });
         }
         if !self.may_meet(bodies, key) {
@@ -278,6 +307,10 @@ impl Entry {
         self.boxes = Some(SurfaceBoxes::around(&body.surface, &body.position_m, size_m + ahead_m));
         self.stamp += 1;
     }
+}
+
+fn own_features(body: &Body) -> OwnFeatures<'_> {
+    OwnFeatures { surface: &body.surface, reference_m: &body.reference_m, positions_m: &body.position_m }
 }
 
 fn bounds_of(body: &Body) -> Aabb {

@@ -8,7 +8,7 @@ use crate::contact::nodes::{ContactNode, NodeTable};
 use crate::contact::response::{
     ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets, solve, sort_by_place,
 };
-use crate::contact::{BodyView, CollisionList, Constraint, Near, PairDepths, PairView};
+use crate::contact::{BodyView, CollisionList, Constraint, Near, PairDepths, PairView, ThrownNodes};
 use glam::DVec3;
 
 /// Rounds of "respond, look whether the correction closed a pair that was left out".
@@ -65,14 +65,9 @@ impl ContactScene<'_> {
         }
     }
 
-    /// What is near in the step; the response may change the ways of the points relative to each other by `slack_m`.
-    fn near(&self, pair: &NearPair, slack_m: f64) -> Near {
-        let view = self.pair_view(pair);
-        if slack_m <= look_slack_m(self.bodies, pair.bodies) {
-            return Near::of_close(&view, &pair.close, slack_m);
-        }
-        // What the response threw far may meet what was not close.
-        Near::of(&view, &pair.candidates, [way_m(self.bodies, pair.bodies, self.step_s), slack_m])
+    /// What is near in the step; the response may change the ways of the points relative to each other a little.
+    fn near(&self, pair: &NearPair) -> Near {
+        Near::of_close(&self.pair_view(pair), &pair.close, look_slack_m(self.bodies, pair.bodies))
     }
 
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
@@ -304,42 +299,74 @@ fn still_closing(
     closing
 }
 
-/// What lies near enough to touch in the step, pair by pair of bodies, and by how much the response may change
-/// the nodes' ways before more could touch.
+/// What lies near enough to touch in the step, pair by pair of bodies.
 struct Look {
-    near: Vec<(Near, f64)>,
+    pairs: Vec<PairLook>,
+}
+
+struct PairLook {
+    near: Near,
+    /// Nodes whose ways the response has changed by more than the first look allowed for,
+    thrown: ThrownNodes,
+    /// and the change of ways that the last look at them allows for, m.
+    thrown_slack_m: f64,
 }
 
 impl Look {
     fn first(scene: &ContactScene) -> Self {
-        let near = scene.pairs.iter().map(|pair| {
-            let slack_m = look_slack_m(scene.bodies, pair.bodies);
-            (scene.near(pair, slack_m), slack_m)
-        });
-        Self { near: near.collect() }
+        let of_pair = |pair: &&NearPair| PairLook {
+            near: scene.near(pair),
+            thrown: ThrownNodes::default(),
+            thrown_slack_m: 0.0,
+        };
+        Self { pairs: scene.pairs.iter().map(of_pair).collect() }
     }
 
-    /// Looks anew where the response has changed the ways by more than was allowed for.
+    /// Looks anew at the nodes whose ways the response has changed by more than was allowed for.
     fn renew(&mut self, scene: &ContactScene, corrected: &NodeTable) {
-        let mut change2 = vec![0.0_f64; scene.bodies.len()];
-        for (node, predicted) in corrected.nodes.iter().zip(corrected.predicted_m_s()) {
-            let most = &mut change2[node.body as usize];
-            *most = most.max((node.velocity_m_s - *predicted).length_squared());
+        let mut change_m = vec![0.0_f64; scene.bodies.len()];
+        let changes: Vec<(usize, u32, f64)> = corrected
+            .nodes
+            .iter()
+            .zip(corrected.predicted_m_s())
+            .map(|(node, predicted)| {
+                let change_m = scene.step_s * (node.velocity_m_s - *predicted).length();
+                (node.body as usize, node.node, change_m)
+            })
+            .collect();
+        for (body, _, change) in &changes {
+            change_m[*body] = change_m[*body].max(*change);
         }
-        for ((near, slack_m), pair) in self.near.iter_mut().zip(&scene.pairs) {
-            let change_m = scene.step_s * pair.bodies.map(|body| change2[body].sqrt()).iter().sum::<f64>();
-            if change_m > *slack_m {
-                *slack_m = 2.0 * change_m;
+        for (look, pair) in self.pairs.iter_mut().zip(&scene.pairs) {
+            let slack_m = look_slack_m(scene.bodies, pair.bodies);
+            let most_m = pair.bodies.map(|body| change_m[body]).iter().sum::<f64>();
+            if most_m <= slack_m {
+                continue;
+            }
+            // Two that are not thrown come no nearer to each other than the first look allowed for.
+            let thrown = pair.bodies.map(|body| {
+                let mut thrown = vec![false; scene.bodies[body].position_m.len()];
+                let of_body = changes.iter().filter(|(b, _, change)| *b == body && *change > 0.5 * slack_m);
+                of_body.for_each(|(_, node, _)| thrown[*node as usize] = true);
+                thrown
+            });
+            let thrown = ThrownNodes { of_bodies: thrown };
+            if most_m > look.thrown_slack_m || thrown != look.thrown {
+                look.thrown_slack_m = look.thrown_slack_m.max(2.0 * most_m);
+                look.thrown = thrown;
                 // The velocities are the corrected ones now, a change away from those that slack counts from.
-                *near = scene.near(pair, *slack_m + change_m);
+                let slack_m = look.thrown_slack_m + most_m;
+                let ways_m = [way_m(scene.bodies, pair.bodies, scene.step_s), slack_m];
+                let lists = (&pair.candidates, &pair.close);
+                look.near.look_again_at(&look.thrown, &scene.pair_view(pair), lists, ways_m);
             }
         }
     }
 
     fn find(&self, scene: &ContactScene) -> Vec<Constraint> {
         let mut found = Vec::new();
-        for ((near, _), pair) in self.near.iter().zip(&scene.pairs) {
-            near.find(&scene.pair_view(pair), &mut found);
+        for (look, pair) in self.pairs.iter().zip(&scene.pairs) {
+            look.near.find(&scene.pair_view(pair), &mut found);
         }
         found.retain(|c| scene.can_open(c));
         found
@@ -351,8 +378,8 @@ impl Look {
         is_known: impl Fn(([u32; 2], Feature)) -> bool,
     ) -> Vec<Constraint> {
         let mut found = Vec::new();
-        for ((near, _), pair) in self.near.iter().zip(&scene.pairs) {
-            near.find_closing(&scene.pair_view(pair), LEFT_OUT_DEPTH, &is_known, &mut found);
+        for (look, pair) in self.pairs.iter().zip(&scene.pairs) {
+            look.near.find_closing(&scene.pair_view(pair), LEFT_OUT_DEPTH, &is_known, &mut found);
         }
         found.retain(|c| scene.can_open(c));
         found

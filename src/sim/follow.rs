@@ -8,26 +8,31 @@ use crate::contact::{ContactSurface, CrackSide};
 use crate::fem::{CutBody, ElementChanges, StepBound};
 use crate::fracture::{Changes, Face, NodeBirth, Solid};
 use crate::math::inertia_of_point_kg_m2;
-use crate::mesh::Surface;
+use crate::mesh::{Renumbering, Surface};
 use glam::{BVec3, DVec3};
 
 /// Time in which a crack opens over the time in which it runs past the elements around its node.
 const RELEASE_SHARE: f64 = 0.5;
 
 impl Body {
-    /// Brings everything that is kept per node or element up to date with the cuts.
+    /// Brings everything that is kept per node or element up to date with the cuts; tells what became of the numbers of
+    /// its surface.
     ///
     /// # Errors
     /// [`SimError::Setup`] for an unsound element, which cuts do not make.
-    pub(super) fn follow(&mut self, context: &StepContext, changes: &Changes) -> Result<(), SimError> {
+    pub(super) fn follow(
+        &mut self,
+        context: &StepContext,
+        changes: &Changes,
+    ) -> Result<Renumbering, SimError> {
         self.follow_elements(changes)?;
-        self.follow_surface();
+        let numbers = self.follow_surface();
         self.follow_supports(changes);
         self.follow_loads(changes);
         self.ledger.dropped_j += changes.kinetic_energy_lost_j;
         self.force_n.resize(self.reference_m.len(), DVec3::ZERO);
         self.hold_crack_faces(context, changes);
-        Ok(())
+        Ok(numbers)
     }
 
     fn follow_elements(&mut self, changes: &Changes) -> Result<(), SimError> {
@@ -68,14 +73,16 @@ impl Body {
         Ok(())
     }
 
-    fn follow_surface(&mut self) {
-        let Some(breaking) = &self.breaking else { return };
+    fn follow_surface(&mut self) -> Renumbering {
+        let Some(breaking) = &self.breaking else { return Renumbering::default() };
         let solid = &breaking.solid;
-        self.boundary = Surface::of_neighbours(&self.tets, |tet, face| behind(solid, tet, face));
+        let now = Surface::of_neighbours(&self.tets, |tet, face| behind(solid, tet, face));
+        let before = std::mem::replace(&mut self.boundary, now);
         let sides = crack_sides(solid, &self.boundary);
         self.surface =
             ContactSurface::new(&self.boundary, &self.reference_m).with_cracks(sides, &self.reference_m);
         self.mean_size_m = self.surface.mean_size_m();
+        Renumbering::between(&before, &self.boundary, self.reference_m.len())
     }
 
     /// New nodes are held as their parents are: twins as the node they were one with, nodes on an edge as far as both of
@@ -208,11 +215,25 @@ fn crack_sides(solid: &Solid, boundary: &Surface) -> Vec<Option<CrackSide>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::candidates::{Candidates, between, within};
+    use crate::contact::{CloseList, OwnFeatures, SurfaceBoxes};
     use crate::fracture::{NodeState, Propagation};
     use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
 
+    fn assert_same(followed: &Candidates, searched: &Candidates) {
+        let sorted = |mut pairs: Vec<(u32, u32)>| {
+            pairs.sort_unstable();
+            pairs
+        };
+        assert_eq!(followed.node_on_second, searched.node_on_second);
+        assert_eq!(followed.node_on_first, searched.node_on_first);
+        let ordered = |(a, b): (u32, u32)| (a.min(b), a.max(b));
+        let edges = |c: &Candidates| sorted(c.edge_pairs.iter().copied().map(ordered).collect());
+        assert_eq!(edges(followed), edges(searched));
+    }
+
     #[test]
-    fn surface_by_neighbours_is_the_surface_by_nodes_while_a_crack_runs_through() {
+    fn surface_and_candidates_follow_a_crack_that_runs_through() {
         let shape = Shape::Box(BoxShape { size_m: DVec3::new(4.0, 3.0, 3.0) });
         let meshing = Meshing { resolution: Resolution::Cells([4, 3, 3]), split: HexSplit::Six };
         let mesh = shape.build(&meshing).unwrap();
@@ -220,6 +241,20 @@ mod tests {
         let mut positions_m = mesh.nodes_m.clone();
         let mut velocities_m_s = vec![DVec3::ZERO; positions_m.len()];
         let normal = DVec3::new(1.0, 0.2, 0.1).normalize();
+        let mut boundary = Surface::of(solid.tets());
+        let mut surface = ContactSurface::new(&boundary, solid.reference_m());
+        let mut boxes = SurfaceBoxes::around(&surface, &positions_m, 0.3);
+        let own =
+            OwnFeatures { surface: &surface, reference_m: solid.reference_m(), positions_m: &positions_m };
+        let (mut followed, mut close) = (within(&own, &boxes), CloseList::default());
+        // Another body beside it, which stays whole.
+        let other_m: Vec<DVec3> = mesh.nodes_m.iter().map(|x| *x + DVec3::new(0.2, 3.1, 0.3)).collect();
+        let other = ContactSurface::new(&boundary, &other_m);
+        let other_boxes = SurfaceBoxes::around(&other, &other_m, 0.3);
+        let beside = |surface: &ContactSurface, boxes: &SurfaceBoxes| {
+            between((&other, &other_boxes), (surface, boxes), false)
+        };
+        let (mut followed_beside, mut close_beside) = (beside(&surface, &boxes), CloseList::default());
         let (mut cracked, mut parted) = (0, 0);
         for node in 0..positions_m.len() as u32 {
             if positions_m[node as usize].dot(normal).abs() > 0.5 {
@@ -229,9 +264,27 @@ mod tests {
             let changes = solid.cut_node(nodes, node, normal, &Propagation::default());
             cracked += changes.crack_faces.len();
             parted += changes.new_nodes.iter().filter(|b| matches!(b, NodeBirth::TwinOf(_))).count();
-            let surface = Surface::of_neighbours(solid.tets(), |tet, face| behind(&solid, tet, face));
-            assert_eq!(surface, Surface::of(solid.tets()));
+            let now = Surface::of_neighbours(solid.tets(), |tet, face| behind(&solid, tet, face));
+            assert_eq!(now, Surface::of(solid.tets()));
+            let numbers = Renumbering::between(&boundary, &now, solid.node_count());
+            boundary = now;
+            let sides = crack_sides(&solid, &boundary);
+            surface =
+                ContactSurface::new(&boundary, solid.reference_m()).with_cracks(sides, solid.reference_m());
+            boxes.follow(&surface, &numbers, &changes.parents());
+            let own = OwnFeatures {
+                surface: &surface,
+                reference_m: solid.reference_m(),
+                positions_m: &positions_m,
+            };
+            close.follow_within(&mut followed, (&own, &boxes), &numbers);
+            assert_same(&followed, &within(&own, &boxes));
+            let boxed = [(&other, &other_boxes), (&surface, &boxes)];
+            close_beside.follow_between(&mut followed_beside, boxed, [None, Some(&numbers)]);
+            assert_same(&followed_beside, &beside(&surface, &boxes));
         }
         assert!(cracked > 20 && parted > 5, "{cracked} faces, {parted} nodes");
+        let counts = [&followed, &followed_beside].map(|c| [c.node_on_second.len(), c.edge_pairs.len()]);
+        assert!(counts.as_flattened().iter().all(|count| *count > 20), "{counts:?}");
     }
 }

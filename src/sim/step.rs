@@ -215,9 +215,15 @@ impl World {
             }
             let context =
                 StepContext { time_s: self.time_s, step_s: 0.0, gravity_m_s2: self.setup.gravity_m_s2 };
+            let had_cracked = body.surface.has_cracked();
             let grown = body.let_cracks_grow(&context).map_err(|e| e.in_step(self.steps + 1))?;
-            let Some(changes) = grown else { continue };
-            self.broad.forget(index);
+            let Some((changes, numbers)) = grown else { continue };
+            if had_cracked {
+                self.broad.follow_cut(&self.bodies, index, &numbers, &changes.parents());
+            } else {
+                // Boxes of a cracked body are fattened less.
+                self.broad.forget(index);
+            }
             self.list.forget_numbers_of(index as u32);
             self.frame_parts[index].forget_surface();
             self.rest[index].disturb(self.time_s);

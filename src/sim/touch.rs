@@ -7,7 +7,8 @@
 use super::body::{Body, Regime, prescribed_pose};
 use super::rigid::RigidMotion;
 use super::{BodyMotion, PrescribedMotion};
-use crate::contact::candidates::{Candidates, SurfaceBoxes, between};
+use crate::contact::SurfaceBoxes;
+use crate::contact::candidates::{Candidates, between};
 use crate::contact::constraint::Geometry;
 use crate::contact::time_of_impact::{BORDER, Moving, edge_meets_edge, node_meets_triangle};
 use glam::{DMat3, DVec3};

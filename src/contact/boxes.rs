@@ -1,0 +1,180 @@
+//! Fattened boxes around the triangles of a surface, in a bounding-volume hierarchy.
+//!
+//! They are built around the positions of one moment and stay valid until a node has moved further than the margin, so
+//! that the hierarchy is not touched in most steps (a Verlet list). Cuts are followed: boxes of triangles that are still
+//! there stay, new ones are looked through one by one until they are many.
+
+use super::surface::ContactSurface;
+use crate::mesh::Renumbering;
+use glam::DVec3;
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+
+/// Fattened boxes of one surface.
+pub struct SurfaceBoxes {
+    bvh: Bvh,
+    /// Triangle of each leaf; `None` for one that is gone.
+    triangle_of_leaf: Vec<Option<u32>>,
+    /// Triangles that have come since the hierarchy was built, ascending.
+    late: Vec<u32>,
+    /// By triangle.
+    boxes: Vec<Aabb>,
+    positions_m: Vec<DVec3>,
+    margin_m: f64,
+}
+
+/// A box around points that may be anywhere between two moments, fattened.
+fn box_around(points: impl IntoIterator<Item = DVec3>, margin_m: f64) -> Aabb {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for p in points {
+        low = low.min(p);
+        high = high.max(p);
+    }
+    Aabb::new(low - DVec3::splat(margin_m), high + DVec3::splat(margin_m))
+}
+
+pub(super) fn overlap(a: &Aabb, b: &Aabb) -> bool {
+    a.mins.cmple(b.maxs).all() && b.mins.cmple(a.maxs).all()
+}
+
+impl SurfaceBoxes {
+    /// Boxes around the surface at `positions_m` (all nodes of the body), fattened by `margin_m`.
+    #[must_use]
+    pub fn around(surface: &ContactSurface, positions_m: &[DVec3], margin_m: f64) -> Self {
+        Self::swept(surface, positions_m, positions_m, margin_m)
+    }
+
+    /// Boxes around the straight paths of the surface from `start_m` to `end_m`, fattened.
+    #[must_use]
+    pub fn swept(surface: &ContactSurface, start_m: &[DVec3], end_m: &[DVec3], margin_m: f64) -> Self {
+        let boxes: Vec<Aabb> = surface
+            .triangles
+            .iter()
+            .map(|t| {
+                let ends = t.iter().flat_map(|n| [start_m[*n as usize], end_m[*n as usize]]);
+                box_around(ends, margin_m)
+            })
+            .collect();
+        let mut found = Self {
+            bvh: Bvh::new(),
+            triangle_of_leaf: Vec::new(),
+            late: Vec::new(),
+            boxes,
+            positions_m: start_m.to_vec(),
+            margin_m,
+        };
+        found.build_hierarchy();
+        found
+    }
+
+    fn build_hierarchy(&mut self) {
+        self.bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &self.boxes);
+        self.triangle_of_leaf = (0..self.boxes.len() as u32).map(Some).collect();
+        self.late.clear();
+    }
+
+    /// Follows a cut: `surface` is the one after it. Each new node lies between two parents, at a weight of the second
+    /// one; later ones may have earlier ones as parents.
+    pub fn follow(&mut self, surface: &ContactSurface, numbers: &Renumbering, parents: &[([u32; 2], f64)]) {
+        for ([a, b], weight) in parents {
+            let [a, b] = [a, b].map(|parent| self.positions_m[*parent as usize]);
+            self.positions_m.push(a.lerp(b, *weight));
+        }
+        let mut boxes = vec![Aabb::new_invalid(); numbers.triangle_count()];
+        for (old, kept) in (0_u32..).zip(&self.boxes) {
+            if let Some(now) = numbers.triangle_now(old) {
+                boxes[now as usize] = *kept;
+            }
+        }
+        for triangle in numbers.new_triangles() {
+            let corners_m = surface.corners_m(*triangle, &self.positions_m);
+            boxes[*triangle as usize] = box_around(corners_m, self.margin_m);
+        }
+        self.boxes = boxes;
+        for triangle in &mut self.triangle_of_leaf {
+            *triangle = triangle.and_then(|old| numbers.triangle_now(old));
+        }
+        let kept_late = self.late.iter().filter_map(|old| numbers.triangle_now(*old));
+        self.late = kept_late.chain(numbers.new_triangles().iter().copied()).collect();
+        self.late.sort_unstable();
+        if self.late.len() > MOST_LATE + self.boxes.len() / LATE_SHARE {
+            self.build_hierarchy();
+        }
+    }
+
+    /// Triangles whose boxes overlap a box.
+    pub(super) fn overlapping(&self, wanted: Aabb) -> impl Iterator<Item = u32> {
+        let leaves = self.bvh.leaves(move |node| overlap(&node.aabb(), &wanted));
+        let of_leaves = leaves.filter_map(|leaf| self.triangle_of_leaf[leaf as usize]);
+        let triangles = of_leaves.chain(self.late.iter().copied());
+        triangles.filter(move |triangle| overlap(&self.boxes[*triangle as usize], &wanted))
+    }
+
+    /// Pairs of triangles of this surface and another whose boxes overlap.
+    pub(super) fn pairs_with(&self, other: &Self) -> Vec<(u32, u32)> {
+        let leaf_pairs = self.bvh.leaf_pairs(&other.bvh, |x, y| x.intersects(y));
+        let of_leaves = |(a, b): (u32, u32)| {
+            Some((self.triangle_of_leaf[a as usize]?, other.triangle_of_leaf[b as usize]?))
+        };
+        let mut pairs: Vec<(u32, u32)> = leaf_pairs.filter_map(of_leaves).collect();
+        pairs.retain(|(a, b)| overlap(&self.boxes[*a as usize], &other.boxes[*b as usize]));
+        for late in &self.late {
+            pairs.extend(other.overlapping(self.boxes[*late as usize]).map(|t| (*late, t)));
+        }
+        for late in &other.late {
+            let ours = self.overlapping(other.boxes[*late as usize]);
+            pairs.extend(ours.filter(|t| self.late.binary_search(t).is_err()).map(|t| (t, *late)));
+        }
+        pairs
+    }
+
+    /// Pairs of different triangles of this surface whose boxes overlap.
+    pub(super) fn own_pairs(&self) -> Vec<(u32, u32)> {
+        let mut pairs = Vec::new();
+        self.bvh.traverse_bvtt_single_tree::<false>(&mut BvhWorkspace::default(), &mut |a, b| {
+            let triangles = [a, b].map(|leaf| self.triangle_of_leaf[leaf as usize]);
+            if let [Some(a), Some(b)] = triangles {
+                pairs.push((a, b));
+            }
+        });
+        for late in &self.late {
+            let others = self.overlapping(self.boxes[*late as usize]);
+            let once = others.filter(|t| t > late || self.late.binary_search(t).is_err());
+            pairs.extend(once.filter(|t| t != late).map(|t| (*late, t)));
+        }
+        pairs
+    }
+
+    /// How far the boxes are fattened, m.
+    #[must_use]
+    pub fn margin_m(&self) -> f64 {
+        self.margin_m
+    }
+
+    /// Positions at which the boxes were built, all nodes of the body, m.
+    #[must_use]
+    pub fn built_at_m(&self) -> &[DVec3] {
+        &self.positions_m
+    }
+
+    /// Box of a triangle.
+    pub(super) fn of_triangle(&self, triangle: u32) -> &Aabb {
+        &self.boxes[triangle as usize]
+    }
+
+    /// Box around everything.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.bvh.root_aabb()
+    }
+
+    /// Box of one node.
+    pub(super) fn node_box(&self, node: u32) -> Aabb {
+        box_around([self.positions_m[node as usize]], self.margin_m)
+    }
+}
+
+/// Triangles that may come before the hierarchy is built anew: so many,
+const MOST_LATE: usize = 64;
+/// and this share of all, as its inverse: each is looked through one by one.
+const LATE_SHARE: usize = 64;
