@@ -11,6 +11,7 @@ use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
 /// Fattened boxes of one surface.
+#[derive(Clone)]
 pub struct SurfaceBoxes {
     bvh: Bvh,
     /// Triangle of each leaf; `None` for one that is gone.

@@ -71,7 +71,7 @@ impl Weighted {
 }
 
 /// The nodes of a set of constraints and where each constraint finds its four.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct NodeTable {
     /// Nodes, sorted by body and node.
     pub nodes: Vec<ContactNode>,

@@ -76,6 +76,7 @@ pub struct MassScaling {
 }
 
 /// The elastic half of a body; fixed and kinematic bodies have none.
+#[derive(Clone)]
 pub(super) struct Elasticity {
     pub kinematics: Kinematics,
     pub elements: ElementBatches,
@@ -98,6 +99,7 @@ pub(super) struct Elasticity {
 }
 
 /// One body of the world.
+#[derive(Clone)]
 pub(super) struct Body {
     pub name: String,
     pub motion: BodyMotion,

@@ -29,6 +29,7 @@ const SURELY_WHOLE: f64 = 0.99;
 const STRAIN_MARGIN: f64 = 0.9;
 
 /// The part of a body that knows how it breaks.
+#[derive(Clone)]
 pub(super) struct Breaking {
     pub solid: Solid,
     /// By material of the body.

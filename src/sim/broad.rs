@@ -25,6 +25,7 @@ const OWN_MARGIN: f64 = 0.3;
 const CRACKED_MARGIN: f64 = 0.3;
 
 /// Candidates of a pair of bodies and the states of the boxes they come from.
+#[derive(Clone)]
 pub(super) struct NearPair {
     /// The bodies, the smaller number first; twice the same for self-collision.
     pub bodies: [usize; 2],
@@ -34,7 +35,7 @@ pub(super) struct NearPair {
     stamps: [u64; 2],
 }
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Entry {
     boxes: Option<SurfaceBoxes>,
     /// Counts the renewals; part of what a pair's candidates are valid for.
@@ -50,6 +51,7 @@ struct Entry {
 }
 
 /// Boxes around a body's shape, kept while it moves on as a whole and changes its shape but little.
+#[derive(Clone)]
 struct OwnBoxes {
     boxes: SurfaceBoxes,
     stamp: u64,
@@ -106,7 +108,7 @@ impl OwnBoxes {
 const OWN_SHARE: f64 = 0.4;
 
 /// Boxes of all bodies and candidates of near pairs.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct BroadPhase {
     entries: Vec<Entry>,
     pub pairs: Vec<NearPair>,

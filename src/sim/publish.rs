@@ -9,6 +9,7 @@ use glam::{DMat3, DVec3};
 use std::sync::{Arc, OnceLock};
 
 /// What does not change of a body's frames.
+#[derive(Clone)]
 pub(super) struct FrameParts {
     name: Arc<str>,
     palette_srgb: Arc<[[f32; 3]]>,

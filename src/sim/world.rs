@@ -73,7 +73,7 @@ pub struct ElementStress {
 }
 
 /// The first touch of free bodies, looked up in advance.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct FreePlan {
     /// Regimes for which the plan was made.
     pub regimes: Vec<u8>,
@@ -83,6 +83,7 @@ pub(super) struct FreePlan {
 
 /// An interval in which nothing deforms, and the motions at its start. Whoever looks at the world on the way gets
 /// them moved on from there, so that looking changes nothing.
+#[derive(Clone)]
 pub(super) struct FreeInterval {
     pub start_s: f64,
     pub end_s: f64,
@@ -105,6 +106,7 @@ impl Regime {
 }
 
 /// All bodies and their common time.
+#[derive(Clone)]
 pub struct World {
     pub(super) setup: WorldSetup,
     pub(super) bodies: Vec<Body>,
