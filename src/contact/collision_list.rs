@@ -63,6 +63,16 @@ impl CollisionList {
         kept
     }
 
+    /// The pairs that have nothing to do with a body that was taken out.
+    #[must_use]
+    pub fn without(&self, body: u32) -> Self {
+        let mut kept = self.clone();
+        kept.held_nodes.retain(|((a, _, b), _)| *a != body && *b != body);
+        kept.held_edges.retain(|((a, b, _, _), _)| *a != body && *b != body);
+        kept.stores = kept.stores.without(body);
+        kept
+    }
+
     /// Forgets the edges and triangles of a body whose surface has been numbered anew.
     pub fn forget_numbers_of(&mut self, body: u32) {
         let of_body = |held: &&mut (HeldNode, HeldPatch)| held.0.2 == body;

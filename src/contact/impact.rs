@@ -146,6 +146,12 @@ impl ImpactStores {
         Self { stores: kept.collect() }
     }
 
+    /// The stores that have nothing to do with a body.
+    #[must_use]
+    pub fn without(&self, body: u32) -> Self {
+        Self { stores: self.stores.iter().filter(|s| !s.bodies.contains(&body)).copied().collect() }
+    }
+
     /// Forgets the stores of a body's edges; their energy is lost.
     pub fn forget_edges_of(&mut self, body: u32) {
         self.stores.retain(|s| s.key.3.is_none() || !s.bodies.contains(&body));

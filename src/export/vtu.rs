@@ -132,7 +132,7 @@ struct Grid {
 impl Grid {
     fn of(world: &World) -> Self {
         let mut grid = Self::default();
-        for body in 0..world.body_count() {
+        for body in (0..world.body_count()).filter(|body| !world.is_removed(*body)) {
             grid.add_cells(world, body);
             grid.add_points(world, body);
         }

@@ -1,14 +1,15 @@
 //! From the description of a scene to what the simulation starts from.
 
 use super::apart::overlaps;
-use super::description::{Body, BodyMaterial, GROUND, Ground, SceneDescription};
+use super::description::{Body, BodyMaterial, GROUND, Ground, Removal, SceneDescription};
 use super::place::{Frame, Placed, place};
 use super::problem::suggestion;
 use super::selection::{PlacedMesh, select};
 use super::shape_mesh::{ELEMENT_LIMIT, ShapeMesh, mesh_of};
 use crate::mesh::TetMesh;
 use crate::sim::{
-    BodyMotion, BodySetup, BoundaryCondition, ContactParameters, Material, PairFriction, WorldSetup,
+    BodyMotion, BodySetup, BoundaryCondition, Change, ContactParameters, Material, PairFriction, PlannedChange,
+    WorldSetup,
 };
 use glam::DVec3;
 use std::path::Path;
@@ -40,8 +41,11 @@ pub(super) fn build(scene: &SceneDescription, folder: &Path) -> Result<Built, Ve
             builder.body(index, &mesh);
         }
     }
+    // Who enters later comes after all that are there, in the order of entering, as in the running world.
+    builder.bodies.sort_by(|a, b| enters_s(scene, a).total_cmp(&enters_s(scene, b)));
     if fits {
-        let overlaps = overlaps(scene, &builder.bodies);
+        let there = builder.bodies.partition_point(|body| enters_s(scene, body) == FROM_THE_START);
+        let overlaps = overlaps(scene, &builder.bodies[..there]);
         builder.problems.extend(overlaps);
     }
     builder.finish()
@@ -51,6 +55,14 @@ pub(super) fn build(scene: &SceneDescription, folder: &Path) -> Result<Built, Ve
 pub(super) struct BuiltBody {
     pub setup: BodySetup,
     pub entry: Option<usize>,
+}
+
+/// Stands before all times at which bodies enter.
+const FROM_THE_START: f64 = f64::NEG_INFINITY;
+
+fn enters_s(scene: &SceneDescription, body: &BuiltBody) -> f64 {
+    let entry = body.entry.and_then(|entry| scene.bodies[entry].enters_s);
+    entry.unwrap_or(FROM_THE_START)
 }
 
 struct Builder<'a> {
@@ -213,10 +225,27 @@ impl Builder<'_> {
             self_collision: contact.self_collision,
             rest_speed_m_s: contact.rest_speed_m_s,
         };
+        let mut bodies = Vec::new();
+        let mut changes = Vec::new();
+        for body in self.bodies {
+            let time_s = enters_s(self.scene, &body);
+            if time_s == FROM_THE_START {
+                bodies.push(body.setup);
+            } else {
+                changes.push(PlannedChange { time_s, change: Change::Enter(Box::new(body.setup)) });
+            }
+        }
+        let leave = |removal: &Removal| PlannedChange {
+            time_s: removal.at_s,
+            change: Change::Leave(removal.body.clone()),
+        };
+        changes.extend(self.scene.removals.iter().map(leave));
+        changes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(Built {
             setup: WorldSetup {
                 gravity_m_s2: self.scene.gravity_m_s2,
-                bodies: self.bodies.into_iter().map(|body| body.setup).collect(),
+                bodies,
+                changes,
                 contact: parameters,
                 time: self.scene.time.clone(),
                 fracture: self.scene.fracture.clone(),

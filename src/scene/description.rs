@@ -39,6 +39,17 @@ pub struct SceneDescription {
     pub cameras: Vec<Camera>,
     /// How pictures and data are recorded.
     pub recording: Recording,
+    /// Bodies that are taken out on the way.
+    pub removals: Vec<Removal>,
+}
+
+/// A body that is taken out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Removal {
+    /// Its name.
+    pub body: String,
+    /// When, s.
+    pub at_s: f64,
 }
 
 /// A level, fixed, square block of ground.
@@ -85,6 +96,8 @@ pub struct Body {
     pub boundary: Vec<Boundary>,
     /// Largest share of the mass that may be added for the sake of the stable step.
     pub mass_scaling_max_share: f64,
+    /// When the body comes in, s; `None`: it is there from the start.
+    pub enters_s: Option<f64>,
 }
 
 impl Body {

@@ -90,6 +90,11 @@ impl SceneDocument {
         &self.overrides
     }
 
+    /// The text of a body.
+    pub(super) fn body(&self, entry: usize) -> Option<&toml_edit::Table> {
+        self.editable.get("bodies")?.as_array_of_tables()?.get(entry)
+    }
+
     pub(super) fn root(&self) -> &Node {
         &self.root
     }

@@ -14,6 +14,7 @@ mod build;
 pub mod description;
 mod document;
 mod findings;
+mod late;
 mod library;
 mod overlap;
 mod parse;
@@ -33,6 +34,7 @@ mod tree;
 
 pub use description::SceneDescription;
 pub use document::SceneDocument;
+pub use late::{Arrival, Newcomer};
 pub use library::{BUILTIN_SCENES, BuiltinScene};
 pub use overlap::{Overlap, overlap};
 pub use presets::{PRESETS, Preset};
@@ -106,6 +108,16 @@ impl Scene {
     /// [`SceneError::Invalid`] with everything that is wrong; this scene stays as it is.
     pub fn with_overrides(&self, overrides: &[String]) -> Result<Self, SceneError> {
         Self::from_document(self.document.clone(), &self.folder, overrides)
+    }
+
+    /// This scene with more text below it: a body that was thrown, one that was taken out. Overrides become text.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with everything that is wrong; this scene stays as it is.
+    pub fn with_text(&self, added: &str) -> Result<Self, SceneError> {
+        let text = format!("{}\n\n{added}", self.document.to_toml().trim_end());
+        let document = SceneDocument::parse(self.document.label(), &text)?;
+        Self::from_document(document, &self.folder, &[])
     }
 
     /// The scene as TOML, overrides, comments and all: loading it again gives the same scene.

@@ -46,6 +46,7 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
         fracture,
         cameras: cameras.into_iter().map(settings::read_camera).collect(),
         recording: settings::read_recording(table.table_or_empty("recording"), duration_s),
+        removals: table.tables("removals").into_iter().map(settings::read_removal).collect(),
     }
 }
 

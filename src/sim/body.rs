@@ -26,6 +26,9 @@ pub(super) enum Regime {
     Asleep,
 }
 
+/// How far down a body goes that was taken out, m: beyond everything that can be seen or met.
+const OUT_OF_REACH_M: f64 = 1e9;
+
 /// A velocity that a node must have along some axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PrescribedNode {
@@ -134,6 +137,8 @@ pub(super) struct Body {
     pub mean_size_m: f64,
     /// Largest vibration energy since the last touch, J.
     pub vibration_reference_j: f64,
+    /// Whether it was taken out of the world.
+    pub is_removed: bool,
 }
 
 impl Body {
@@ -173,6 +178,7 @@ impl Body {
             ledger: Ledger::default(),
             mean_size_m,
             vibration_reference_j: 0.0,
+            is_removed: false,
             mass_kg,
         };
         body.apply_boundary(setup);
@@ -240,6 +246,29 @@ impl Body {
     /// Whether the body has elements that deform.
     pub fn is_deformable(&self) -> bool {
         self.elasticity.is_some()
+    }
+
+    /// Connected pieces.
+    pub fn pieces(&self) -> usize {
+        match &self.breaking {
+            Some(breaking) => breaking.solid.fragments().list().len(),
+            None => crate::mesh::Pieces::by_faces(&self.tets).count,
+        }
+    }
+
+    /// Takes the body out: what is left of it stands still where nothing ever comes, and its energy is booked as gone
+    /// to the outside.
+    pub fn remove(&mut self, gravity_m_s2: DVec3) {
+        let potential_j = -gravity_m_s2.dot(self.mass_displacement());
+        self.ledger.external_j -= self.kinetic_j() + self.strain_j() + potential_j;
+        self.is_removed = true;
+        self.regime = Regime::Fixed;
+        self.motion = BodyMotion::Fixed;
+        self.elasticity = None;
+        self.breaking = None;
+        self.velocity_m_s.fill(DVec3::ZERO);
+        self.inverse_mass_per_kg.fill(DVec3::ZERO);
+        self.position_m.iter_mut().for_each(|x| x.z -= OUT_OF_REACH_M);
     }
 
     /// Whether the body has come apart.

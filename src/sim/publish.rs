@@ -103,6 +103,15 @@ impl World {
     }
 
     fn body_frame(&self, index: usize, body: &Body, parts: &FrameParts) -> BodyFrame {
+        if body.is_removed {
+            let role = BodyRole::Fixed;
+            return BodyFrame {
+                name: parts.name.clone(),
+                palette_srgb: parts.palette_srgb.clone(),
+                role,
+                ..BodyFrame::default()
+            };
+        }
         let positions = self.positions_m(index);
         let nodes = &body.surface.nodes;
         BodyFrame {

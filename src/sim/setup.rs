@@ -241,6 +241,24 @@ impl Default for FractureParameters {
     }
 }
 
+/// What happens to the bodies on the way.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// A body comes in, as a thrown one does; see [`crate::sim::World::add_body`].
+    Enter(Box<BodySetup>),
+    /// The body of this name is taken out.
+    Leave(String),
+}
+
+/// A change at the end of the first step that reaches its time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedChange {
+    /// When, s.
+    pub time_s: f64,
+    /// What.
+    pub change: Change,
+}
+
 /// Everything a world starts from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WorldSetup {
@@ -254,4 +272,6 @@ pub struct WorldSetup {
     pub time: TimeParameters,
     /// Growth of cracks.
     pub fracture: FractureParameters,
+    /// What comes in or goes out later, by ascending time.
+    pub changes: Vec<PlannedChange>,
 }

@@ -44,6 +44,7 @@ impl World {
         if self.time_s >= limit_s {
             return Ok(StepReport { time_s: self.time_s, ..StepReport::default() });
         }
+        let limit_s = limit_s.min(self.make_planned_changes()?);
         let started = Instant::now();
         let before = self.phases.counted_s();
         let was_colliding = !self.list.is_empty();

@@ -128,6 +128,8 @@ pub struct World {
     /// Energy in penalty springs and in what pairs have stored of impacts, J.
     pub(super) spring_j: f64,
     pub(super) largest_penetration_ratio: f64,
+    /// Of the planned changes, how many were made.
+    pub(super) changes_made: usize,
 }
 
 /// Failure time of an element that has never taken part in a crack, s.
@@ -171,6 +173,7 @@ impl World {
             contact_work_j: 0.0,
             spring_j: 0.0,
             largest_penetration_ratio: 0.0,
+            changes_made: 0,
         })
     }
 
@@ -319,6 +322,69 @@ impl World {
         self.bodies.push(body);
         self.setup.bodies.push(setup);
         Ok(self.bodies.len() - 1)
+    }
+
+    /// Takes a body out at the present time. Its number stays; its energy leaves as work done on the outside.
+    pub fn remove_body(&mut self, index: usize) {
+        if self.bodies[index].is_removed {
+            return;
+        }
+        self.place_free_bodies();
+        let gravity = self.setup.gravity_m_s2;
+        let body = &mut self.bodies[index];
+        if body.is_deformable() {
+            self.fragments -= body.pieces();
+        }
+        body.remove(gravity);
+        self.list = self.list.without(index as u32);
+        self.broad.forget(index);
+        self.frame_parts[index].forget_surface();
+        self.plan = FreePlan::default();
+        self.free_interval = None;
+        // What leaned on it falls.
+        for other in 0..self.bodies.len() {
+            if self.bodies[other].regime == Regime::Asleep {
+                self.wake(other);
+            }
+        }
+    }
+
+    /// Whether the body was taken out.
+    #[must_use]
+    pub fn is_removed(&self, body: usize) -> bool {
+        self.bodies[body].is_removed
+    }
+
+    /// Makes the planned changes that are due; returns when the next one is.
+    pub(super) fn make_planned_changes(&mut self) -> Result<f64, SimError> {
+        while let Some(planned) = self.setup.changes.get(self.changes_made) {
+            if planned.time_s > self.time_s {
+                return Ok(planned.time_s);
+            }
+            let change = planned.change.clone();
+            self.changes_made += 1;
+            match change {
+                super::Change::Enter(body) => {
+                    self.add_body(*body)?;
+                }
+                super::Change::Leave(name) => {
+                    let body = self.bodies.iter().position(|b| b.name == name);
+                    body.into_iter().for_each(|body| self.remove_body(body));
+                }
+            }
+        }
+        Ok(f64::INFINITY)
+    }
+
+    /// Memory that a copy of the world takes, bytes, as an estimate: what elements and nodes take was measured, and the
+    /// rest is small beside it.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        const BASE: usize = 64 << 10;
+        const PER_ELEMENT: usize = 900;
+        const PER_NODE: usize = 900;
+        let of_body = |b: &Body| b.tets.len() * PER_ELEMENT + b.reference_m.len() * PER_NODE;
+        BASE + self.bodies.iter().map(of_body).sum::<usize>()
     }
 
     /// Whether some body deforms at present, so that the next step is an elastic one.

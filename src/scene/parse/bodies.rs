@@ -26,6 +26,7 @@ pub(super) fn read_body(mut table: Table) -> Body {
         velocity_m_s: table.vector("velocity", "m/s").unwrap_or_default(),
         spin_rad_s: table.vector("spin", "rad/s").unwrap_or_default(),
         boundary: boundary.into_iter().map(read_boundary).collect(),
+        enters_s: table.number("enters", Quantity::not_negative("s")),
         mass_scaling_max_share: table.number("mass_scaling", mass_scaling).unwrap_or(0.0),
         motion,
     };

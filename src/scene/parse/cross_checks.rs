@@ -16,6 +16,7 @@ pub(super) fn check(scene: &SceneDescription, root: &Node, findings: &Findings) 
     checks.new_materials_are_used();
     checks.neighbours_exist();
     checks.pairs_exist();
+    checks.removed_bodies_exist();
     checks.camera_exists();
     checks.recording_fits();
 }
@@ -143,6 +144,17 @@ impl Checks<'_> {
                         format!("there is no body called `{name}`{hint}"),
                     );
                 }
+            }
+        }
+    }
+
+    fn removed_bodies_exist(&self) {
+        let names: Vec<String> = self.scene.bodies.iter().flat_map(Body::names_of_copies).collect();
+        for (index, removal) in self.scene.removals.iter().enumerate() {
+            if !names.contains(&removal.body) && !removal.body.is_empty() {
+                let hint = suggestion(&removal.body, names.iter().map(String::as_str));
+                let message = format!("there is no body called `{}`{hint}", removal.body);
+                self.report(&format!("removals[{index}].body"), message);
             }
         }
     }

@@ -4,14 +4,17 @@ use super::super::document::SceneDocument;
 use super::super::findings::Findings;
 use super::super::problem::SceneError;
 use super::super::quantity::Quantity;
-use super::super::reader::Table;
+use super::super::reader::{Kind, Table};
 use crate::fracture::plane::PlaneRule;
 use crate::fracture::{Criterion, FailureRule, Formula, PropagationRule, Strength};
 use crate::sim::FractureParameters;
 
+/// Says that a material never breaks.
+const NEVER: &str = "never";
+
 /// The kinds of failure that a scene can name.
 #[derive(Clone, Copy)]
-enum Kind {
+enum Failing {
     Tensile,
     Tresca,
     VonMises,
@@ -20,17 +23,23 @@ enum Kind {
     Formula,
 }
 
-const KINDS: [(&str, Kind); 6] = [
-    ("tensile", Kind::Tensile),
-    ("tresca", Kind::Tresca),
-    ("von-mises", Kind::VonMises),
-    ("mohr-coulomb", Kind::MohrCoulomb),
-    ("drucker-prager", Kind::DruckerPrager),
-    ("formula", Kind::Formula),
+const KINDS: [(&str, Failing); 6] = [
+    ("tensile", Failing::Tensile),
+    ("tresca", Failing::Tresca),
+    ("von-mises", Failing::VonMises),
+    ("mohr-coulomb", Failing::MohrCoulomb),
+    ("drucker-prager", Failing::DruckerPrager),
+    ("formula", Failing::Formula),
 ];
 
 /// The table `fracture` of a material: one criterion, or several of which any may fail.
 pub(super) fn read_criterion(material: &mut Table) -> Option<Criterion> {
+    if material.kind_of("fracture") == Some(Kind::Text) {
+        if material.text("fracture").is_none_or(|text| text != NEVER) {
+            material.report_type("fracture", "a criterion, or \"never\"");
+        }
+        return None;
+    }
     let mut table = material.table("fracture")?;
     let rules: Option<Vec<FailureRule>> = if table.has("any_of") {
         let rules = table.tables("any_of");
@@ -68,18 +77,18 @@ fn read_rule(table: &mut Table) -> Option<FailureRule> {
         return None;
     };
     let strength = match kind {
-        Kind::Tensile => Strength::Tensile { tensile_strength_pa: read_strength(table, "tensile_strength") },
-        Kind::Tresca => Strength::Tresca { shear_strength_pa: read_strength(table, "shear_strength") },
-        Kind::VonMises => Strength::VonMises { shear_strength_pa: read_strength(table, "shear_strength") },
-        Kind::MohrCoulomb => Strength::MohrCoulomb {
+        Failing::Tensile => Strength::Tensile { tensile_strength_pa: read_strength(table, "tensile_strength") },
+        Failing::Tresca => Strength::Tresca { shear_strength_pa: read_strength(table, "shear_strength") },
+        Failing::VonMises => Strength::VonMises { shear_strength_pa: read_strength(table, "shear_strength") },
+        Failing::MohrCoulomb => Strength::MohrCoulomb {
             cohesion_pa: read_strength(table, "cohesion"),
             friction_angle_rad: read_friction_angle(table),
         },
-        Kind::DruckerPrager => Strength::DruckerPrager {
+        Failing::DruckerPrager => Strength::DruckerPrager {
             cohesion_pa: read_strength(table, "cohesion"),
             friction_angle_rad: read_friction_angle(table),
         },
-        Kind::Formula => Strength::Formula(read_formula(table)?),
+        Failing::Formula => Strength::Formula(read_formula(table)?),
     };
     Some(FailureRule { plane: read_plane(table, &strength), strength })
 }

@@ -1,6 +1,6 @@
 //! Contact, time, cameras and recording.
 
-use super::super::description::{Camera, Contact, Eye, Recording};
+use super::super::description::{Camera, Contact, Eye, Recording, Removal};
 use super::super::quantity::Quantity;
 use super::super::reader::Table;
 use super::{check_name, read_friction};
@@ -49,6 +49,13 @@ fn read_pair(mut table: Table) -> Option<([String; 2], f64)> {
     }
     let bodies = <[String; 2]>::try_from(bodies?).ok()?;
     Some((bodies, friction.unwrap_or(0.0)))
+}
+
+pub(super) fn read_removal(mut table: Table) -> Removal {
+    Removal {
+        body: table.required_text("body"),
+        at_s: table.required_number("at", Quantity::not_negative("s")),
+    }
 }
 
 /// Duration and intervals.
