@@ -8,8 +8,8 @@ use super::selection::{PlacedMesh, select};
 use super::shape_mesh::{ELEMENT_LIMIT, ShapeMesh, mesh_of};
 use crate::mesh::TetMesh;
 use crate::sim::{
-    BodyMotion, BodySetup, BoundaryCondition, Change, ContactParameters, Material, PairFriction, PlannedChange,
-    WorldSetup,
+    BodyMotion, BodySetup, BoundaryCondition, Change, ContactParameters, Material, PairFriction,
+    PlannedChange, WorldSetup,
 };
 use glam::DVec3;
 use std::path::Path;

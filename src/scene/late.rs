@@ -43,7 +43,8 @@ pub struct Arrival {
 
 /// Keys of a body that say where it is, how it starts or what holds it: a copy has its own or none.
 const OWN_KEYS: [&str; 11] = [
-    "name", "position", "rotation", "on", "gap", "axes_of", "copies", "velocity", "spin", "boundary", "enters",
+    "name", "position", "rotation", "on", "gap", "axes_of", "copies", "velocity", "spin", "boundary",
+    "enters",
 ];
 
 impl Scene {
@@ -91,7 +92,10 @@ impl Scene {
     /// The entry of the text that a body of the world comes from.
     #[must_use]
     pub fn entry_of(&self, body: &str) -> Option<usize> {
-        self.description.bodies.iter().position(|entry| entry.names_of_copies().iter().any(|name| name == body))
+        self.description
+            .bodies
+            .iter()
+            .position(|entry| entry.names_of_copies().iter().any(|name| name == body))
     }
 
     /// Materials that a thrown body of its own shape may be of.
@@ -200,7 +204,7 @@ mod tests {
             material: scene.description.materials[0].name.clone(),
             color_srgb: [0.5, 0.25, 0.1],
         };
-        let (scene, body) = scene.with_arrival(&newcomer, &arrival("ball", 1.0 / 7.0)).unwrap();
+        let (scene, body) = scene.with_arrival(&newcomer, &arrival("another", 1.0 / 7.0)).unwrap();
         let saved = Scene::from_text("saved", &scene.to_toml(), scene.folder(), &[]).unwrap();
         assert!(matches!(&saved.setup.changes[0].change, Change::Enter(again) if **again == body));
         assert_eq!(saved.setup.changes[0].time_s, 1.0 / 7.0);

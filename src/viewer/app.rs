@@ -1,9 +1,12 @@
 //! The viewer without a window: its state, what buttons and keys do, and the panels laid out.
 
+use super::aim::Aim;
 use super::edits::Edits;
 use super::look::Look;
-use super::session::{Command, Snapshot};
+use super::player::Player;
+use super::recording::Recording;
 use super::simulation::Simulation;
+use super::snapshot::{Command, Snapshot};
 use super::thumbnails::{Sketch, Sketcher};
 use super::ui::{self, Action};
 use crate::frame::Frame;
@@ -14,6 +17,8 @@ use std::sync::Arc;
 
 /// Title of the window without a scene.
 pub const TITLE: &str = "hammerfall";
+/// Longest time by which the recording goes on in one frame, s of wall time.
+const LONGEST_FRAME_S: f64 = 0.1;
 
 /// Which panels are there.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +41,10 @@ pub struct App {
     pub edits: Edits,
     /// The picture.
     pub look: Look,
+    /// What the mouse would throw.
+    pub aim: Aim,
+    /// Which recorded moment is shown.
+    pub player: Player,
     /// Which panels are there.
     pub panels: Panels,
     /// Whether the gallery covers the scene.
@@ -75,6 +84,8 @@ impl App {
             snapshot: Arc::default(),
             edits: Edits::default(),
             look: Look::default(),
+            aim: Aim::default(),
+            player: Player::default(),
             panels: Panels { parameters: true, inspector: true, help: false },
             is_gallery: true,
             dismissed: 0,
@@ -117,9 +128,16 @@ impl App {
         notice.map(|notice| notice.text.as_str())
     }
 
+    /// What is shown: the recorded moment looked at, or the present.
+    #[must_use]
+    pub fn shown(&self) -> &Arc<Frame> {
+        self.player.moment(&self.snapshot.recording).map_or(&self.snapshot.frame, |moment| &moment.frame)
+    }
+
     /// Lays out the whole window for one frame and does what was asked for in it.
     pub fn update(&mut self, ui: &mut Ui) {
         self.take_news();
+        self.play_recording(ui.ctx());
         let mut actions = std::mem::take(&mut self.actions);
         ui::style::choose_theme(ui.ctx(), self.look.is_dark);
         ui::keys::read(ui.ctx(), self.is_gallery, self.panels.help, &mut actions);
@@ -136,7 +154,7 @@ impl App {
         let viewport = self.viewport.filter(|_| !self.is_gallery && self.snapshot.scene.is_some())?;
         let pixels = |points: f32| (points * pixels_per_point).round().max(1.0) as u32;
         Some(PictureRequest {
-            frame: &self.snapshot.frame,
+            frame: self.shown(),
             camera: self.look.camera,
             view: self.look.view(pixels_per_point),
             size_px: [pixels(viewport.width()), pixels(viewport.height())],
@@ -178,8 +196,12 @@ impl App {
         if let Some(base) = snapshot.base.as_ref().filter(|_| snapshot.opened != before.opened) {
             self.edits = Edits::of(base);
             self.look.open(&snapshot);
+            self.aim.suit(&snapshot.frame);
+            self.aim.kind = super::thrown::ThrowKind::Hammer;
+            self.aim.material = super::thrown::TOOL.to_owned();
         }
         if snapshot.built != before.built {
+            self.player.leave();
             self.look.forget_range();
         }
         if let Some(contact) = snapshot.contact.as_ref().filter(|_| !self.is_waiting()) {
@@ -192,6 +214,52 @@ impl App {
         self.look.take_in(&snapshot.frame);
     }
 
+    /// Lets the recording go on, at the speed of the simulation.
+    fn play_recording(&mut self, context: &egui::Context) {
+        if !self.player.is_playing() {
+            return;
+        }
+        let wall_s = f64::from(context.input(|input| input.stable_dt)).min(LONGEST_FRAME_S);
+        self.player.advance(&self.snapshot.recording, wall_s * self.snapshot.speed);
+        let shown = self.shown().clone();
+        self.look.take_in(&shown);
+        context.request_repaint();
+    }
+
+    /// Shows a recorded moment; time stands meanwhile.
+    fn look_back(&mut self, look: impl FnOnce(&mut Player, &Recording)) {
+        if self.snapshot.is_playing {
+            self.simulation.send(Command::Pause);
+        }
+        look(&mut self.player, &self.snapshot.recording);
+        let shown = self.shown().clone();
+        self.look.take_in(&shown);
+    }
+
+    fn play_on_from_here(&mut self) {
+        if let Some(time_s) = self.player.moment(&self.snapshot.recording).map(|moment| moment.time_s) {
+            self.simulation.send(Command::PlayOnFrom { time_s, play: true });
+            self.player.leave();
+        }
+    }
+
+    fn toggle_play(&mut self) {
+        if self.player.is_back() {
+            return self.look_back(|player, recording| player.toggle(recording));
+        }
+        let command = if self.snapshot.is_playing { Command::Pause } else { Command::Play };
+        self.simulation.send(command);
+    }
+
+    /// Throwing while looking back throws at the moment looked at.
+    fn edit_scene(&mut self, command: Command) {
+        if let Some(time_s) = self.player.moment(&self.snapshot.recording).map(|moment| moment.time_s) {
+            self.simulation.send(Command::PlayOnFrom { time_s, play: false });
+            self.player.leave();
+        }
+        self.simulation.send(command);
+    }
+
     fn aspect(&self) -> f32 {
         self.viewport.map_or(16.0 / 9.0, |rect| rect.width() / rect.height().max(1.0))
     }
@@ -201,22 +269,37 @@ impl App {
         match action {
             Action::Open(scene) => self.open(&scene, &[]),
             Action::ShowGallery(is_shown) => self.show_gallery(is_shown),
-            Action::TogglePlay => {
-                let command = if self.snapshot.is_playing { Command::Pause } else { Command::Play };
-                self.simulation.send(command);
+            Action::TogglePlay => self.toggle_play(),
+            Action::Step if self.player.is_back() => {
+                self.look_back(|player, recording| player.step(recording, 1))
             }
             Action::Step => self.simulation.send(Command::Step),
             Action::Reset => self.reset(),
             Action::SetSpeed(speed) => self.simulation.send(Command::SetSpeed(speed)),
-            Action::Drop(kind) => self.simulation.send(Command::Drop(kind)),
+            Action::Throw(throw) => self.edit_scene(Command::Throw(throw)),
+            Action::Remove(body) => self.edit_scene(Command::Remove(body)),
+            Action::Undo => {
+                self.player.leave();
+                self.simulation.send(Command::Undo);
+            }
+            Action::ToggleAim => {
+                self.aim.is_armed = !self.aim.is_armed;
+                self.aim.drag = None;
+            }
+            Action::LookAt(time_s) => self.look_back(|player, _| player.go_to(time_s)),
+            Action::StepRecorded(by) => self.look_back(|player, recording| player.step(recording, by)),
+            Action::Replay => self.look_back(|player, recording| player.toggle(recording)),
+            Action::ShowNow => self.player.leave(),
+            Action::PlayOnFromHere => self.play_on_from_here(),
+            Action::SetMemoryLimit(bytes) => self.simulation.send(Command::SetMemoryLimit(bytes)),
             Action::ContactEdited => {
                 self.simulation.send(Command::SetContact(self.edits.contact.clone()));
             }
-            Action::FrameAll => self.look.frame_all(&self.snapshot.frame, aspect),
-            Action::LookFrom(view) => self.look.look_from(view, &self.snapshot.frame, aspect),
+            Action::FrameAll => self.look.frame_all(&self.shown().clone(), aspect),
+            Action::LookFrom(view) => self.look.look_from(view, &self.shown().clone(), aspect),
             Action::ColorsEdited => {
                 self.look.forget_range();
-                self.look.take_in(&self.snapshot.frame);
+                self.look.take_in(&self.shown().clone());
             }
             Action::ToggleWireframe => self.look.wireframe = !self.look.wireframe,
             Action::ToggleDark => {

@@ -22,12 +22,18 @@ pub struct Row {
     pub sum_j: f64,
     /// Contact force, mean since the row before, N.
     pub contact_force_n: f64,
+    /// Length of the momentum, kg m/s.
+    pub momentum_kg_m_s: f64,
+    /// Connected pieces of what deforms.
+    pub fragments: f64,
+    /// Elastic step of the slowest body, s; 0 when nothing deforms.
+    pub stable_step_s: f64,
 }
 
 impl Row {
     /// The row of a sample.
     #[must_use]
-    pub fn of(sample: &Sample, time_s: f64, contact_force_n: f64) -> Self {
+    pub fn of(sample: &Sample, time_s: f64, contact_force_n: f64, stable_step_s: f64) -> Self {
         Self {
             time_s,
             kinetic_j: sample.kinetic_j,
@@ -36,6 +42,9 @@ impl Row {
             dissipated_j: sample.dissipated_j,
             sum_j: sample.balance_j(),
             contact_force_n,
+            momentum_kg_m_s: sample.linear_momentum_kg_m_s.length(),
+            fragments: sample.fragments as f64,
+            stable_step_s: if stable_step_s.is_finite() { stable_step_s } else { 0.0 },
         }
     }
 }
@@ -65,6 +74,12 @@ impl History {
             self.rows.push(row);
         }
         self.offered += 1;
+    }
+
+    /// Forgets the rows after a time, s.
+    pub fn cut_after(&mut self, time_s: f64) {
+        self.rows.retain(|row| row.time_s <= time_s);
+        self.offered = (self.rows.len() as u64) << self.thinning;
     }
 
     fn thin_out(&mut self) {

@@ -2,7 +2,7 @@
 
 use super::orbit::{self, MouseInput};
 use super::scene_camera::opening_camera;
-use super::session::Snapshot;
+use super::snapshot::Snapshot;
 use crate::frame::{ColorBy, Frame};
 use crate::render::{Background, Camera, Framing, Ground, NamedView, Range, View};
 

@@ -11,19 +11,24 @@
 //! The thread of the simulation owns the world and steps it exactly as the command line does; the window only
 //! sends commands and shows the latest snapshot. Nothing waits for the other.
 
+mod aim;
 mod app;
-mod drop_body;
 mod edits;
 mod graphics;
 mod history;
 mod look;
 mod orbit;
 mod pacing;
+mod pick;
+mod player;
+mod recording;
 mod scene_camera;
 mod session;
 mod simulation;
 mod slot;
 mod smoke;
+mod snapshot;
+mod thrown;
 mod thumbnails;
 mod ui;
 mod window;

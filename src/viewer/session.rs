@@ -1,94 +1,23 @@
 //! What the simulation thread does, without the thread: commands in, steps, snapshots out.
 
-use super::drop_body::{DropKind, body_to_drop};
+mod scene_edits;
+mod timeline;
+
 use super::history::{History, Row};
 use super::pacing::{FRAME_S, Pace, SpeedMeter};
+use super::recording::Recording;
+use super::snapshot::{Command, Notice, Snapshot};
 use crate::frame::Frame;
 use crate::scene::Scene;
-use crate::sim::{ContactParameters, PairFriction, SimError, StepReport, World};
+use crate::sim::{ContactParameters, SimError, StepReport, World};
 use std::sync::Arc;
+use timeline::{Edit, Keyframe, UndoPoint};
 
 /// Steps in a row that may leave time standing before the run counts as stuck.
 const STANDING_STEPS: u32 = 1000;
 
-/// What the window asks of the simulation.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Command {
-    /// Opens a built-in scene or a file with overrides (`path=value`).
-    Open {
-        /// Name or path.
-        scene: String,
-        /// Overrides.
-        overrides: Vec<String>,
-        /// Whether it plays at once.
-        play: bool,
-    },
-    /// Closes the scene.
-    Close,
-    /// Lets time run.
-    Play,
-    /// Stops time.
-    Pause,
-    /// Takes one step and stops.
-    Step,
-    /// Back to the start, with these overrides on top of the scene as it was opened.
-    Reset {
-        /// Overrides.
-        overrides: Vec<String>,
-    },
-    /// Simulated seconds a second.
-    SetSpeed(f64),
-    /// Changes contact from the next step on, and after resets.
-    SetContact(ContactParameters),
-    /// Drops a body into the scene.
-    Drop(DropKind),
-}
-
-/// Something the user has to be told.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
-    /// Counts the notices, so that a dismissed one is not shown again.
-    pub number: u64,
-    /// What happened and what to do.
-    pub text: String,
-}
-
-/// Everything the window shows of one moment.
-#[derive(Clone, Debug, Default)]
-pub struct Snapshot {
-    /// Commands carried out so far.
-    pub commands_done: u64,
-    /// Counts the scenes opened; a new one gets a new camera.
-    pub opened: u64,
-    /// Counts the worlds built.
-    pub built: u64,
-    /// The scene as it was opened; `None` when there is none.
-    pub base: Option<Arc<Scene>>,
-    /// The scene as it runs: with the overrides of the last reset.
-    pub scene: Option<Arc<Scene>>,
-    /// Contact as it acts now.
-    pub contact: Option<ContactParameters>,
-    /// Bodies by name, in the order of [`PairFriction::bodies`].
-    pub body_names: Arc<[String]>,
-    /// The last good frame.
-    pub frame: Arc<Frame>,
-    /// Balances over time.
-    pub history: Arc<History>,
-    /// Whether time runs.
-    pub is_playing: bool,
-    /// Simulated seconds a second asked for.
-    pub speed: f64,
-    /// Simulated seconds a second reached; `None` when paused or too early to tell.
-    pub real_time_factor: Option<f64>,
-    /// Elastic step of the slowest body, s; infinite when nothing deforms.
-    pub stable_step_s: f64,
-    /// Why the run cannot go on, if so.
-    pub run_error: Option<String>,
-    /// The last thing that went wrong besides.
-    pub notice: Option<Notice>,
-}
-
 /// A running scene.
+#[derive(Clone)]
 struct Run {
     base: Arc<Scene>,
     scene: Arc<Scene>,
@@ -108,27 +37,33 @@ pub struct Session {
     pace: Option<Pace>,
     meter: SpeedMeter,
     frame: Arc<Frame>,
+    /// Steps, time and edits that `frame` shows.
+    frame_of: Option<(u64, u64, usize)>,
     history: Arc<History>,
     /// Impulse and time since the last row of the history.
     pressed_n_s: f64,
     pressed_s: f64,
     standing_steps: u32,
-    dropped: usize,
+    thrown: usize,
+    recording: Arc<Recording>,
+    /// Worlds to play on from, in the order of time.
+    keyframes: Vec<Keyframe>,
+    /// Of so many recorded moments one comes with a world.
+    keyframe_every: u32,
+    moments_since_keyframe: u32,
+    /// What was changed in the running scene, in order.
+    edits: Vec<Edit>,
+    undo: Vec<UndoPoint>,
+    /// Contacts that have a mark already.
+    contacts_marked: usize,
+    crack_area_m2: f64,
+    are_cracks_growing: bool,
     commands_done: u64,
     opened: u64,
     built: u64,
     run_error: Option<String>,
     notice: Option<Notice>,
     notices: u64,
-}
-
-impl Snapshot {
-    /// Duration of the scene in s, when it is over and nothing plays.
-    #[must_use]
-    pub fn over_after_s(&self) -> Option<f64> {
-        let duration_s = self.scene.as_ref()?.description.duration_s;
-        (!self.is_playing && is_reached(self.frame.time_s, duration_s)).then_some(duration_s)
-    }
 }
 
 impl Default for Session {
@@ -142,11 +77,21 @@ impl Default for Session {
             pace: None,
             meter: SpeedMeter::default(),
             frame: Arc::default(),
+            frame_of: None,
             history: Arc::default(),
             pressed_n_s: 0.0,
             pressed_s: 0.0,
             standing_steps: 0,
-            dropped: 0,
+            thrown: 0,
+            recording: Arc::default(),
+            keyframes: Vec::new(),
+            keyframe_every: timeline::FIRST_KEYFRAME_EVERY,
+            moments_since_keyframe: 0,
+            edits: Vec::new(),
+            undo: Vec::new(),
+            contacts_marked: 0,
+            crack_area_m2: 0.0,
+            are_cracks_growing: false,
             commands_done: 0,
             opened: 0,
             built: 0,
@@ -169,7 +114,11 @@ impl Session {
             Command::Reset { overrides } => self.reset(&overrides),
             Command::SetSpeed(speed) => self.set_speed(speed),
             Command::SetContact(contact) => self.set_contact(contact),
-            Command::Drop(kind) => self.drop_body(kind),
+            Command::Throw(throw) => self.throw(&throw),
+            Command::Remove(body) => self.remove(body),
+            Command::Undo => self.undo_last(),
+            Command::PlayOnFrom { time_s, play } => self.play_on_from(time_s, play),
+            Command::SetMemoryLimit(bytes) => self.set_memory_limit(bytes),
         }
         self.commands_done += 1;
     }
@@ -214,7 +163,7 @@ impl Session {
         }
         // In extreme slow motion an elastic step spans several moments.
         if has_moved {
-            self.note_balances();
+            self.note_moment();
         }
         if is_reached(time_s, end_s) {
             self.set_playing(false);
@@ -243,9 +192,7 @@ impl Session {
 
     /// What the window should show.
     pub fn snapshot(&mut self) -> Snapshot {
-        if let Some(run) = self.run.as_ref().filter(|_| self.run_error.is_none()) {
-            self.frame = Arc::new(run.world.publish());
-        }
+        self.renew_frame();
         let run = self.run.as_ref();
         Snapshot {
             commands_done: self.commands_done,
@@ -257,6 +204,8 @@ impl Session {
             body_names: run.map(|run| run.body_names.clone()).unwrap_or_default(),
             frame: self.frame.clone(),
             history: self.history.clone(),
+            recording: self.recording.clone(),
+            undo: self.undo.last().map(|point| point.what.clone()),
             is_playing: self.is_playing,
             speed: self.speed,
             real_time_factor: self.meter.factor().filter(|_| self.is_playing),
@@ -305,7 +254,8 @@ impl Session {
     fn close(&mut self) {
         let (opened, built, notices) = (self.opened, self.built, self.notices);
         let commands_done = self.commands_done;
-        *self = Self { opened, built, notices, commands_done, ..Self::default() };
+        let recording = Arc::new(Recording::with_limit(self.recording.limit_bytes()));
+        *self = Self { opened, built, notices, commands_done, recording, ..Self::default() };
     }
 
     fn reset(&mut self, overrides: &[String]) {
@@ -335,12 +285,13 @@ impl Session {
         self.history = Arc::default();
         (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
         self.standing_steps = 0;
-        self.dropped = 0;
+        self.thrown = 0;
+        self.forget_recording();
         self.run_up_end_s = scene.description.recording.start_s;
         self.restart_clock();
         let body_names = names_of(&world);
         self.run = Some(Run { base, scene, world, body_names });
-        self.note_balances();
+        self.note_moment();
     }
 
     fn set_playing(&mut self, is_playing: bool) {
@@ -367,20 +318,11 @@ impl Session {
         let bodies = run.world.body_count();
         contact.pair_friction.retain(|pair| pair.bodies.iter().all(|body| *body < bodies));
         match run.world.set_contact_parameters(contact.clone()) {
-            Ok(()) => self.contact = Some(contact),
+            Ok(()) => {
+                self.edits.push(Edit::contact(run.world.time_s(), contact.clone()));
+                self.contact = Some(contact);
+            }
             Err(error) => self.tell(format!("contact stays as it is: {error}")),
-        }
-    }
-
-    fn drop_body(&mut self, kind: DropKind) {
-        let (Some(run), None) = (&mut self.run, &self.run_error) else { return };
-        let number = self.dropped + 1;
-        match add_dropped(run, kind, number) {
-            Ok(()) => self.dropped = number,
-            Err(reason) => return self.tell(format!("nothing was dropped: {reason}")),
-        }
-        if run.scene.description.gravity_m_s2.length() < 1e-6 {
-            self.tell("There is no gravity in this scene: what is dropped stays where it is.".to_owned());
         }
     }
 
@@ -389,7 +331,7 @@ impl Session {
         let Some(run) = self.run.as_ref().filter(|_| self.run_error.is_none()) else { return };
         let limit_s = run.world.time_s() + run.world.setup().time.free_interval_s;
         if self.take_step(limit_s) {
-            self.note_balances();
+            self.note_moment();
         }
     }
 
@@ -423,28 +365,22 @@ impl Session {
         false
     }
 
+    /// A moment was reached: its balances, and what is seen of it.
+    fn note_moment(&mut self) {
+        self.note_balances();
+        self.record();
+    }
+
     /// Adds a row to the history.
     fn note_balances(&mut self) {
         let Some(run) = &self.run else { return };
         let force_n = if self.pressed_s > 0.0 { self.pressed_n_s / self.pressed_s } else { 0.0 };
         (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
-        let row = Row::of(&run.world.sample(), run.world.time_s(), force_n);
+        let sample = run.world.sample();
+        let row = Row::of(&sample, run.world.time_s(), force_n, stable_step_s(&run.world));
+        self.note_marks(sample.crack_area_m2);
         Arc::make_mut(&mut self.history).offer(row);
     }
-}
-
-fn add_dropped(run: &mut Run, kind: DropKind, number: usize) -> Result<(), String> {
-    let body = body_to_drop(kind, number, &run.world).map_err(|error| error.to_string())?;
-    let index = run.world.add_body(body).map_err(|error| error.to_string())?;
-    run.body_names = names_of(&run.world);
-    // The ground's own friction is meant for every body.
-    let ground = run.scene.description.ground.as_ref().and_then(|ground| ground.friction_coefficient);
-    let Some(friction_coefficient) = ground else { return Ok(()) };
-    let mut contact = run.world.setup().contact.clone();
-    let now = contact.pair_friction.iter().find(|pair| pair.bodies.contains(&GROUND_BODY));
-    let friction_coefficient = now.map_or(friction_coefficient, |pair| pair.friction_coefficient);
-    contact.pair_friction.push(PairFriction { bodies: [GROUND_BODY, index], friction_coefficient });
-    run.world.set_contact_parameters(contact).map_err(|error| error.to_string())
 }
 
 /// The ground is the first body of a scene that has one.
@@ -467,7 +403,7 @@ fn blow_up_text(error: &SimError) -> String {
 }
 
 /// Whether `time_s` is `moment_s` up to rounding: a step over what is left would be too short for contact forces.
-fn is_reached(time_s: f64, moment_s: f64) -> bool {
+pub(super) fn is_reached(time_s: f64, moment_s: f64) -> bool {
     const ROUNDING: f64 = 1e-12;
     time_s >= moment_s * (1.0 - ROUNDING)
 }
@@ -476,223 +412,4 @@ fn is_reached(time_s: f64, moment_s: f64) -> bool {
 pub const SLICE_S: f64 = 0.5 * FRAME_S;
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::export::csv::HistoryWriter;
-
-    fn opened(scene: &str, overrides: &[&str]) -> Session {
-        let mut session = Session::default();
-        let overrides = overrides.iter().map(|text| (*text).to_owned()).collect();
-        session.execute(Command::Open { scene: scene.to_owned(), overrides, play: true });
-        session
-    }
-
-    /// Plays so many moments, as on a machine that is always in time.
-    fn play(session: &mut Session, moments: u32) {
-        for moment in 0..moments {
-            assert!(session.advance(f64::from(moment) * FRAME_S, || false));
-        }
-    }
-
-    #[test]
-    fn a_scene_plays_at_its_own_slow_motion() {
-        let mut session = opened("bounce", &[]);
-        play(&mut session, 30);
-        let snapshot = session.snapshot();
-        let slow_motion = snapshot.scene.unwrap().description.recording.slow_motion;
-        assert!((snapshot.frame.time_s - 30.0 * FRAME_S / slow_motion).abs() < 1e-9);
-        assert_eq!(snapshot.history.rows().len(), 31);
-        assert!(snapshot.stable_step_s.is_finite() && snapshot.is_playing);
-    }
-
-    #[test]
-    fn what_is_seen_does_not_depend_on_the_clock() {
-        let (mut punctual, mut late) = (opened("bounce", &[]), opened("bounce", &[]));
-        play(&mut punctual, 80);
-        let mut moments = 0;
-        while moments < 80 {
-            // Interrupted after every step, and far behind.
-            moments += u32::from(late.advance(f64::from(moments) * 9.0, || true));
-        }
-        assert_eq!(punctual.history, late.history);
-    }
-
-    #[test]
-    fn elastic_steps_do_not_depend_on_the_speed() {
-        let elastic_steps_at = |speed: f64| {
-            let mut session = opened("rods-collision", &[]);
-            session.execute(Command::SetSpeed(speed));
-            let mut free_steps = 0;
-            while session.time_s() < 1e-4 {
-                session.advance(0.0, || false);
-                let world = &session.run.as_ref().unwrap().world;
-                if !world.is_deforming() {
-                    free_steps = world.steps();
-                }
-            }
-            let world = &session.run.as_ref().unwrap().world;
-            (world.steps() - free_steps, world.sample().balance_j())
-        };
-        assert_eq!(elastic_steps_at(1.0 / 2e4), elastic_steps_at(1.0 / 3e5));
-    }
-
-    #[test]
-    fn playing_hurries_to_what_the_recording_shows_unless_a_speed_was_chosen() {
-        let scene = ["recording.start=0.0405", "recording.slow_motion=1000"];
-        let mut session = opened("bounce", &scene);
-        play(&mut session, 3);
-        assert!((session.time_s() - 0.0405).abs() < 1e-3, "{}", session.time_s());
-        play(&mut session, 3);
-        assert!(session.time_s() < 0.041, "{}", session.time_s());
-        let mut chosen = opened("bounce", &scene);
-        chosen.execute(Command::SetSpeed(1e-3));
-        play(&mut chosen, 3);
-        assert!(chosen.time_s() < 1e-3, "{}", chosen.time_s());
-    }
-
-    #[test]
-    fn playing_pauses_at_the_end_and_goes_on_beyond_when_asked_again() {
-        let mut session = opened("bounce", &["time.duration=0.0405"]);
-        play(&mut session, 300);
-        let snapshot = session.snapshot();
-        assert!(!snapshot.is_playing && is_reached(snapshot.frame.time_s, 0.0405));
-        assert!(snapshot.frame.time_s < 0.041, "{}", snapshot.frame.time_s);
-        assert_eq!(snapshot.over_after_s(), Some(0.0405));
-        session.execute(Command::Play);
-        play(&mut session, 30);
-        let beyond = session.snapshot();
-        assert!(beyond.is_playing && beyond.frame.time_s > snapshot.frame.time_s);
-        assert_eq!(beyond.over_after_s(), None);
-        session.execute(Command::Reset { overrides: Vec::new() });
-        assert_eq!(session.snapshot().over_after_s(), None);
-    }
-
-    #[test]
-    fn pause_step_and_reset_do_what_they_say() {
-        let mut session = opened("bounce", &[]);
-        play(&mut session, 5);
-        session.execute(Command::Pause);
-        let paused_s = session.time_s();
-        assert_eq!(session.wait_s(0.0), None);
-        session.advance(10.0, || false);
-        assert_eq!(session.time_s(), paused_s);
-        session.execute(Command::Step);
-        assert!(session.time_s() > paused_s && !session.is_playing());
-        session.execute(Command::Reset { overrides: Vec::new() });
-        let snapshot = session.snapshot();
-        assert_eq!((snapshot.frame.time_s, snapshot.history.rows().len()), (0.0, 1));
-    }
-
-    /// history.csv of the session's world from where it stands to `until_s`, a row for every step.
-    fn history_csv(session: &mut Session, until_s: f64) -> String {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("history.csv");
-        let mut history = HistoryWriter::create(&path).unwrap();
-        let world = &mut session.run.as_mut().unwrap().world;
-        while !is_reached(world.time_s(), until_s) {
-            world.step(until_s).unwrap();
-            history.write(&world.sample()).unwrap();
-        }
-        drop(history);
-        std::fs::read_to_string(path).unwrap()
-    }
-
-    #[test]
-    fn every_reset_gives_the_same_bytes_on_one_and_two_threads() {
-        // Two bodies of several thousand elements, in contact from 30 us on.
-        const UNTIL_S: f64 = 4e-5;
-        let runs = [1, 2].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| {
-                let mut session = opened("rods-collision-fine", &[]);
-                let first = history_csv(&mut session, UNTIL_S);
-                session.execute(Command::Reset { overrides: Vec::new() });
-                [first, history_csv(&mut session, UNTIL_S)]
-            })
-        });
-        let first = &runs[0][0];
-        assert!(first.contains("collision") && first.lines().count() > 50, "{first}");
-        assert!(runs.iter().flatten().all(|history| history == first));
-    }
-
-    #[test]
-    fn overrides_act_at_the_reset_and_on_the_scene_as_opened() {
-        let mut session = opened("hammer-ground", &[]);
-        let modulus = |session: &mut Session| {
-            let scene = session.snapshot().scene.unwrap();
-            scene.description.materials.iter().find(|m| m.name == "head").unwrap().youngs_modulus_pa
-        };
-        let before = modulus(&mut session);
-        session.execute(Command::Reset { overrides: vec!["materials.head.youngs_modulus=2e6".to_owned()] });
-        assert_eq!(modulus(&mut session), 2e6);
-        session.execute(Command::Reset { overrides: vec!["materials.head.youngs_modulus=-1".to_owned()] });
-        assert_eq!(modulus(&mut session), 2e6);
-        assert!(session.snapshot().notice.unwrap().text.contains("youngs_modulus"));
-        session.execute(Command::Reset { overrides: Vec::new() });
-        assert_eq!(modulus(&mut session), before);
-    }
-
-    #[test]
-    fn contact_acts_at_once_and_outlives_a_reset() {
-        let mut session = opened("bounce", &[]);
-        let contact = ContactParameters { friction_coefficient: 0.9, ..session.snapshot().contact.unwrap() };
-        session.execute(Command::SetContact(contact.clone()));
-        assert_eq!(session.snapshot().contact.as_ref(), Some(&contact));
-        session.execute(Command::Reset { overrides: Vec::new() });
-        assert_eq!(session.snapshot().contact, Some(contact.clone()));
-        session.execute(Command::SetContact(ContactParameters {
-            friction_coefficient: -1.0,
-            ..contact.clone()
-        }));
-        assert_eq!(session.snapshot().contact, Some(contact));
-        assert!(session.snapshot().notice.is_some());
-    }
-
-    #[test]
-    fn dropped_bodies_start_clear_of_all_others_and_fall() {
-        let mut session = opened("hammer-ground", &[]);
-        for kind in [DropKind::Hammer, DropKind::Cube, DropKind::Ball, DropKind::Cube] {
-            session.execute(Command::Drop(kind));
-        }
-        let setup = session.run.as_ref().unwrap().world.setup().clone();
-        assert_eq!(setup.bodies.len(), 6);
-        for second in 1..setup.bodies.len() {
-            for first in 0..second {
-                let [a, b] = [first, second].map(|body| &setup.bodies[body].mesh);
-                assert_eq!(crate::scene::overlap(a, b), None, "{first} {second}");
-            }
-        }
-        let kinetic = |session: &Session| session.history.rows().last().unwrap().kinetic_j;
-        let before = kinetic(&session);
-        play(&mut session, 60);
-        assert!(kinetic(&session) > before && session.run_error.is_none());
-        assert_eq!(session.snapshot().frame.bodies.len(), 6);
-    }
-
-    #[test]
-    fn a_broken_scene_is_told_and_the_old_one_stays() {
-        let mut session = opened("bounce", &[]);
-        let open = |scene: &str| Command::Open { scene: scene.to_owned(), overrides: vec![], play: true };
-        session.execute(open("no-such-scene"));
-        let snapshot = session.snapshot();
-        assert!(snapshot.notice.unwrap().text.contains("no-such-scene"));
-        assert_eq!(snapshot.scene.unwrap().name, "bounce");
-    }
-
-    #[test]
-    fn a_failed_run_keeps_its_last_frame_until_the_reset() {
-        let mut session = opened("bounce", &[]);
-        play(&mut session, 5);
-        let time_s = session.snapshot().frame.time_s;
-        session.fail("blown up".to_owned());
-        session.execute(Command::Play);
-        session.execute(Command::Step);
-        session.execute(Command::Drop(DropKind::Ball));
-        let snapshot = session.snapshot();
-        assert!(!snapshot.is_playing && snapshot.run_error.is_some());
-        assert_eq!(snapshot.frame.time_s, time_s);
-        session.execute(Command::Reset { overrides: Vec::new() });
-        session.execute(Command::Play);
-        assert!(session.is_playing() && session.snapshot().run_error.is_none());
-    }
-}
+mod tests;

@@ -1,8 +1,9 @@
 //! The thread that owns the world: commands in by a channel, snapshots out by a latest-wins slot.
 
 use super::pacing::FRAME_S;
-use super::session::{Command, SLICE_S, Session, Snapshot};
+use super::session::{SLICE_S, Session};
 use super::slot::LatestSlot;
+use super::snapshot::{Command, Snapshot};
 use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,6 +1,6 @@
 //! A scripted run of the window for tests: so many frames, with two changes of size on the way.
 
-use super::session::Snapshot;
+use super::snapshot::Snapshot;
 use std::collections::BTreeSet;
 use std::time::Instant;
 use winit::dpi::PhysicalSize;

@@ -77,7 +77,9 @@ fn read_rule(table: &mut Table) -> Option<FailureRule> {
         return None;
     };
     let strength = match kind {
-        Failing::Tensile => Strength::Tensile { tensile_strength_pa: read_strength(table, "tensile_strength") },
+        Failing::Tensile => {
+            Strength::Tensile { tensile_strength_pa: read_strength(table, "tensile_strength") }
+        }
         Failing::Tresca => Strength::Tresca { shear_strength_pa: read_strength(table, "shear_strength") },
         Failing::VonMises => Strength::VonMises { shear_strength_pa: read_strength(table, "shear_strength") },
         Failing::MohrCoulomb => Strength::MohrCoulomb {

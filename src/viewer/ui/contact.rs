@@ -2,7 +2,8 @@
 
 use super::widgets::{Acts, Parameter, badge};
 use crate::sim::{ContactMethod, ContactParameters};
-use crate::viewer::session::{GROUND_BODY, Snapshot};
+use crate::viewer::session::GROUND_BODY;
+use crate::viewer::snapshot::Snapshot;
 use egui::{ComboBox, Slider, Ui};
 
 const FRICTION: Parameter = Parameter {

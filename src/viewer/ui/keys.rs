@@ -5,12 +5,16 @@ use crate::render::NamedView;
 use egui::{Context, Key, Modifiers};
 
 /// The keys with what they do, for the help.
-pub const KEYS: [(&str, &str); 9] = [
+pub const KEYS: [(&str, &str); 13] = [
     ("Space", "play or pause"),
     (".", "one step"),
     ("R", "back to the start, with the values on the sliders"),
     ("F", "show everything"),
     ("1 … 9", "look from: three-quarter, front, right, back, left, top, rear, low, high"),
+    ("← →", "the recorded moment before, after"),
+    ("End", "back to the present"),
+    ("T", "throw with the mouse, or turn the camera again"),
+    ("Ctrl Z", "take the last throw or removal back"),
     ("W", "edges of the elements"),
     ("G", "the scenes"),
     ("F1", "this help"),
@@ -25,11 +29,15 @@ pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Ve
     if context.egui_wants_keyboard_input() {
         return;
     }
-    let mut on = |key: Key, action: Action| {
-        if context.input_mut(|input| input.consume_key(Modifiers::NONE, key)) {
+    let mut on_with = |modifiers: Modifiers, key: Key, action: Action| {
+        if context.input_mut(|input| input.consume_key(modifiers, key)) {
             actions.push(action);
         }
     };
+    if !is_gallery {
+        on_with(Modifiers::COMMAND, Key::Z, Action::Undo);
+    }
+    let mut on = |key: Key, action: Action| on_with(Modifiers::NONE, key, action);
     on(Key::F1, Action::ToggleHelp);
     on(Key::Escape, if is_help { Action::ToggleHelp } else { Action::DismissNotice });
     on(Key::G, Action::ShowGallery(!is_gallery));
@@ -38,6 +46,10 @@ pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Ve
     }
     on(Key::Space, Action::TogglePlay);
     on(Key::Period, Action::Step);
+    on(Key::ArrowLeft, Action::StepRecorded(-1));
+    on(Key::ArrowRight, Action::StepRecorded(1));
+    on(Key::End, Action::ShowNow);
+    on(Key::T, Action::ToggleAim);
     on(Key::R, Action::Reset);
     on(Key::F, Action::FrameAll);
     on(Key::W, Action::ToggleWireframe);

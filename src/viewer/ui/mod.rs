@@ -12,12 +12,14 @@ mod parameters;
 mod plots;
 mod status;
 pub mod style;
+mod throw;
+mod timeline;
 mod toolbar;
 mod viewport;
 mod widgets;
 
 use super::app::App;
-use super::drop_body::DropKind;
+use super::thrown::Throw;
 use crate::render::NamedView;
 use egui::{Panel, Ui};
 
@@ -39,8 +41,26 @@ pub enum Action {
     Reset,
     /// Simulated seconds a second.
     SetSpeed(f64),
-    /// Drop a body.
-    Drop(DropKind),
+    /// Throw or drop a body.
+    Throw(Throw),
+    /// Take out the body of this number.
+    Remove(usize),
+    /// Take the last throw or removal back.
+    Undo,
+    /// Dragging throws, or turns the camera.
+    ToggleAim,
+    /// Show the recorded moment at a time, s.
+    LookAt(f64),
+    /// Show recorded moments so many places on.
+    StepRecorded(isize),
+    /// Play the recording, or stop it.
+    Replay,
+    /// Show the present again.
+    ShowNow,
+    /// Simulate on from the moment shown.
+    PlayOnFromHere,
+    /// Memory for the recording, bytes.
+    SetMemoryLimit(usize),
     /// Contact was changed on a slider.
     ContactEdited,
     /// Show everything.
@@ -74,7 +94,8 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
 }
 
 fn show_scene(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
-    Panel::bottom("status").frame(style::bar_frame()).show(ui, |ui| status::show(ui, &app.snapshot));
+    Panel::bottom("status").frame(style::bar_frame()).show(ui, |ui| status::show(ui, app));
+    Panel::bottom("timeline").frame(style::bar_frame()).show(ui, |ui| timeline::show(ui, app, actions));
     let frame = style::side_frame();
     let side = |panel: Panel| panel.frame(frame).resizable(false).exact_size(SIDE_WIDTH);
     if app.panels.parameters {

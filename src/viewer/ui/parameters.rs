@@ -1,9 +1,8 @@
 //! The panel at the left: dropping bodies, contact, materials.
 
-use super::{Action, contact, materials, widgets};
+use super::{Action, contact, materials, throw, widgets};
 use crate::viewer::app::App;
-use crate::viewer::drop_body::DropKind;
-use egui::{Button, Ui};
+use egui::Ui;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -21,7 +20,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         });
     }
     widgets::side_scroll().show(ui, |ui| {
-        widgets::section(ui, "Drop into the scene", |ui| drop_buttons(ui, app, actions));
+        widgets::section(ui, "Throw and drop", |ui| throw::show(ui, app, actions));
         widgets::section(ui, "Contact", |ui| {
             if contact::show(ui, &mut app.edits.contact, &app.snapshot) {
                 actions.push(Action::ContactEdited);
@@ -30,20 +29,6 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         let base = app.snapshot.base.clone();
         widgets::section(ui, "Materials", |ui| {
             materials::show(ui, &mut app.edits.materials, base.as_deref())
-        });
-    });
-}
-
-fn drop_buttons(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
-    ui.add_enabled_ui(app.snapshot.run_error.is_none(), |ui| {
-        ui.columns_const(|columns: &mut [Ui; 3]| {
-            for (ui, kind) in columns.iter_mut().zip(DropKind::ALL) {
-                let size = [ui.available_width(), 30.0];
-                let hint = format!("Drop a {} from above the middle", kind.label().to_lowercase());
-                if ui.add_sized(size, Button::new(kind.label())).on_hover_text(hint).clicked() {
-                    actions.push(Action::Drop(kind));
-                }
-            }
         });
     });
 }

@@ -2,18 +2,19 @@
 
 use super::toolbar::speed_text;
 use super::widgets::measured;
-use crate::viewer::session::Snapshot;
+use crate::viewer::app::App;
 use egui::{RichText, Ui};
 
 /// Shows the line.
-pub fn show(ui: &mut Ui, snapshot: &Snapshot) {
+pub fn show(ui: &mut Ui, app: &App) {
+    let snapshot = &app.snapshot;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
         if let Some(duration_s) = snapshot.over_after_s() {
             let text = format!("the scene's {} are over; play goes on beyond", measured(duration_s, "s"));
             ui.label(RichText::new(text).small().strong());
         }
-        for (label, value, hint) in values(snapshot) {
+        for (label, value, hint) in values(app) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 ui.label(RichText::new(label).small().weak()).on_hover_text(hint);
@@ -23,17 +24,20 @@ pub fn show(ui: &mut Ui, snapshot: &Snapshot) {
     });
 }
 
-fn values(snapshot: &Snapshot) -> Vec<(&'static str, String, &'static str)> {
-    let status = &snapshot.frame.status;
+fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {
+    let snapshot = &app.snapshot;
+    let frame = app.shown();
+    let status = &frame.status;
     let speed = match snapshot.real_time_factor {
         Some(factor) if factor > 0.0 => speed_text(factor),
+        _ if app.player.is_back() => "looking back".to_owned(),
         _ if snapshot.is_playing => "…".to_owned(),
         _ => "paused".to_owned(),
     };
     let step =
         if snapshot.stable_step_s.is_finite() { measured(snapshot.stable_step_s, "s") } else { "—".into() };
     let mut values = vec![
-        ("t", measured(snapshot.frame.time_s, "s"), "Simulated time"),
+        ("t", measured(frame.time_s, "s"), "Simulated time"),
         ("real-time factor", speed, "Simulated time over time on the wall, over the last second"),
         ("stage", status.stage.clone(), "What the last step did"),
         ("elements", status.elements.to_string(), "Tetrahedra of the bodies that deform"),

@@ -1,10 +1,12 @@
 //! The scene itself, and the mouse over it.
 
-use super::{Action, banner};
+use super::widgets::measured;
+use super::{Action, banner, style};
 use crate::viewer::app::App;
 use crate::viewer::orbit::MouseInput;
-use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, Ui};
-use glam::Vec2;
+use crate::viewer::pick::{Hit, pick};
+use egui::{Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
+use glam::{Vec2, Vec3};
 
 /// Shows the picture of the scene; what it shows is drawn after the layout, so it is never a frame late.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -17,7 +19,11 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     app.viewport = Some(area);
     let snapshot = app.snapshot.clone();
     app.look.settle(&snapshot, area.width() / area.height());
-    let input = mouse_input(ui, &response);
+    let mut input = mouse_input(ui, &response);
+    if app.aim.is_armed {
+        input.orbit = Vec2::ZERO;
+        take_aim(app, area, &response, actions);
+    }
     app.look.move_camera(&input, area.height());
     if response.double_clicked() {
         actions.push(Action::FrameAll);
@@ -28,8 +34,97 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     }
     if snapshot.scene.is_none() {
         banner::waiting(ui, area, "Opening the scene …");
+    } else {
+        draw_aim(ui, app, area);
+        body_menu(ui, app, area, &response, actions);
     }
     banner::show(ui.ctx(), app, actions);
+}
+
+/// A place on the screen as a share of the picture.
+fn share(area: Rect, at: Pos2) -> Vec2 {
+    Vec2::new((at.x - area.left()) / area.width(), (at.y - area.top()) / area.height())
+}
+
+fn aspect(area: Rect) -> f32 {
+    area.width() / area.height()
+}
+
+fn hit_at(app: &App, area: Rect, at: Pos2) -> Option<Hit> {
+    pick(app.shown(), &app.look.camera.ray_in_world(share(area, at), aspect(area)))
+}
+
+/// Dragging draws a line; letting go throws along it.
+fn take_aim(app: &mut App, area: Rect, response: &Response, actions: &mut Vec<Action>) {
+    if response.drag_started_by(PointerButton::Primary) {
+        let at = response.interact_pointer_pos().map(|at| share(area, at - response.drag_delta()));
+        app.aim.drag = at.map(|at| [at, at]);
+    }
+    let at = response.interact_pointer_pos();
+    if let (Some(drag), Some(at)) = (&mut app.aim.drag, at) {
+        drag[1] = share(area, at);
+    }
+    if response.drag_stopped_by(PointerButton::Primary) {
+        let path = app.aim.path(app.shown(), &app.look.camera, aspect(area));
+        if let Some(path) = path.filter(|_| app.snapshot.run_error.is_none()) {
+            actions.push(Action::Throw(app.aim.throw(&path)));
+        }
+        app.aim.drag = None;
+    } else if !response.dragged() {
+        app.aim.drag = None;
+    }
+}
+
+fn draw_aim(ui: &Ui, app: &App, area: Rect) {
+    let Some(path) = app.aim.path(app.shown(), &app.look.camera, aspect(area)) else {
+        if app.aim.is_armed && app.aim.drag.is_none() {
+            let text = "Press where the body shall start, drag to its target, let go to throw";
+            let at = area.center_top() + egui::vec2(0.0, 14.0);
+            let font = FontId::proportional(12.5);
+            ui.painter().text(at, Align2::CENTER_TOP, text, font, style::accent());
+        }
+        return;
+    };
+    let painter = ui.painter().with_clip_rect(area);
+    let on_screen = |point_m: &Vec3| {
+        let at = app.look.camera.picture_position(*point_m, aspect(area))?;
+        Some(area.min + egui::vec2(at.x * area.width(), at.y * area.height()))
+    };
+    let points: Vec<Pos2> = path.points_m.iter().filter_map(on_screen).collect();
+    let (Some(first), Some(last)) = (points.first().copied(), points.last().copied()) else { return };
+    let before = points.get(points.len().saturating_sub(2)).copied().unwrap_or(first);
+    let stroke = Stroke::new(2.5, style::accent());
+    painter.circle(first, 6.0, style::accent(), Stroke::new(2.0, Color32::WHITE));
+    painter.extend(Shape::dashed_line(&points, stroke, 9.0, 5.0));
+    painter.arrow(last, (last - before).normalized() * 0.1, stroke);
+    painter.circle_stroke(last, 9.0, stroke);
+    let label = measured(app.aim.speed_m_s, "m/s");
+    let place = first + egui::vec2(10.0, -10.0);
+    painter.text(place, Align2::LEFT_BOTTOM, label, FontId::proportional(13.0), style::accent());
+}
+
+/// What can be done with the body under the mouse, on a click with the right button.
+fn body_menu(ui: &Ui, app: &App, area: Rect, response: &Response, actions: &mut Vec<Action>) {
+    let id = response.id.with("body under the menu");
+    if response.secondary_clicked() {
+        let hit = response.interact_pointer_pos().and_then(|at| hit_at(app, area, at));
+        ui.data_mut(|data| data.insert_temp(id, hit.map(|hit| hit.body)));
+    }
+    response.context_menu(|ui| {
+        let body: Option<usize> = ui.data(|data| data.get_temp(id)).flatten();
+        let name = body.and_then(|body| app.shown().bodies.get(body).map(|frame| (body, frame.name.clone())));
+        let Some((body, name)) = name else {
+            ui.weak("No body here");
+            return;
+        };
+        ui.strong(&*name);
+        let is_own = app.snapshot.scene.as_ref().is_some_and(|scene| scene.entry_of(&name).is_some());
+        ui.add_enabled_ui(is_own, |ui| {
+            if ui.button("Take out of the scene").clicked() {
+                actions.push(Action::Remove(body));
+            }
+        });
+    });
 }
 
 fn mouse_input(ui: &Ui, response: &Response) -> MouseInput {

@@ -1,0 +1,129 @@
+//! Throwing with the mouse: where the body starts, where it is aimed, how fast.
+
+use super::pick;
+use super::thrown::{Placing, TOOL, Throw, ThrowKind, typical_size_in};
+use crate::frame::Frame;
+use crate::render::Camera;
+use glam::{Vec2, Vec3};
+
+/// Points of the drawn path.
+const PATH_POINTS: usize = 24;
+/// Gravity of the drawn path, m/s2: scenes that have another are few, and the line is only an aim.
+const GRAVITY_M_S2: f32 = 9.81;
+/// Shortest drag that throws, as a share of the picture's height.
+const SHORTEST_DRAG: f32 = 0.01;
+
+/// What would be thrown, and a drag under way.
+#[derive(Clone, Debug)]
+pub struct Aim {
+    /// Whether dragging throws instead of turning the camera.
+    pub is_armed: bool,
+    /// What.
+    pub kind: ThrowKind,
+    /// Of which material.
+    pub material: String,
+    /// m/s.
+    pub speed_m_s: f64,
+    /// Spin about the axis across the throw, rad/s.
+    pub spin_rad_s: f64,
+    /// Start and present place of the drag, as shares of the picture.
+    pub drag: Option<[Vec2; 2]>,
+}
+
+impl Default for Aim {
+    fn default() -> Self {
+        Self {
+            is_armed: false,
+            kind: ThrowKind::Hammer,
+            material: TOOL.to_owned(),
+            speed_m_s: 8.0,
+            spin_rad_s: 0.0,
+            drag: None,
+        }
+    }
+}
+
+/// A line in the world that shows a throw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// From where the body starts to what it is aimed at, m.
+    pub points_m: Vec<Vec3>,
+    velocity_m_s: Vec3,
+}
+
+impl Aim {
+    /// A speed that suits the size of a scene: that of a fall over some lengths of its bodies.
+    pub fn suit(&mut self, frame: &Frame) {
+        let size_m = typical_size_in(frame);
+        let speed_m_s = (2.0 * 9.81 * 6.0 * size_m).sqrt();
+        self.speed_m_s = (speed_m_s * 2.0).round().max(1.0) / 2.0;
+    }
+
+    /// The path of the throw that the drag stands for; `None` when it is too short.
+    #[must_use]
+    pub fn path(&self, frame: &Frame, camera: &Camera, aspect: f32) -> Option<Path> {
+        let [from, to] = self.drag?;
+        let way = (to - from) * Vec2::new(aspect, 1.0);
+        if way.length() < SHORTEST_DRAG {
+            return None;
+        }
+        // The start lies free in the air, as far away as what the camera looks at; the aim on what is there.
+        let start_m = pick::in_focus(camera, &camera.ray_in_world(from, aspect));
+        let aim_m = pick::point_under(frame, camera, to, aspect);
+        let direction = (aim_m - start_m).try_normalize()?;
+        let velocity_m_s = direction * self.speed_m_s as f32;
+        let time_s = (aim_m - start_m).length() / (self.speed_m_s as f32).max(1e-3);
+        let gravity = if frame.is_weightless { 0.0 } else { GRAVITY_M_S2 };
+        let at = |index: usize| {
+            let t = time_s * index as f32 / (PATH_POINTS - 1) as f32;
+            start_m + velocity_m_s * t - Vec3::Z * (0.5 * gravity * t * t)
+        };
+        Some(Path { points_m: (0..PATH_POINTS).map(at).collect(), velocity_m_s })
+    }
+
+    /// The throw along a path.
+    #[must_use]
+    pub fn throw(&self, path: &Path) -> Throw {
+        let across = path.velocity_m_s.cross(Vec3::Z).try_normalize().unwrap_or(Vec3::X);
+        Throw {
+            kind: self.kind.clone(),
+            material: self.material.clone(),
+            placing: Placing::From {
+                position_m: path.points_m[0].as_dvec3(),
+                velocity_m_s: path.velocity_m_s.as_dvec3(),
+                spin_rad_s: -across.as_dvec3() * self.spin_rad_s,
+            },
+        }
+    }
+
+    /// The same body, dropped from above.
+    #[must_use]
+    pub fn drop(&self, kind: ThrowKind) -> Throw {
+        Throw { kind, material: self.material.clone(), placing: Placing::Above }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drag_throws_along_itself_with_the_speed_asked_for() {
+        let camera = Camera::default();
+        let mut aim = Aim { speed_m_s: 5.0, spin_rad_s: 2.0, ..Aim::default() };
+        let frame = Frame::default();
+        assert!(aim.path(&frame, &camera, 1.5).is_none());
+        aim.drag = Some([Vec2::new(0.3, 0.5), Vec2::new(0.301, 0.5)]);
+        assert!(aim.path(&frame, &camera, 1.5).is_none(), "a click is no throw");
+        aim.drag = Some([Vec2::new(0.3, 0.5), Vec2::new(0.7, 0.5)]);
+        let path = aim.path(&frame, &camera, 1.5).unwrap();
+        let Placing::From { velocity_m_s, spin_rad_s, position_m } = aim.throw(&path).placing else {
+            panic!("it is aimed")
+        };
+        assert!((velocity_m_s.length() - 5.0).abs() < 1e-4 && (spin_rad_s.length() - 2.0).abs() < 1e-4);
+        let [right, _, _] = camera.axes();
+        assert!(velocity_m_s.as_vec3().normalize().dot(right) > 0.999);
+        let start = camera.picture_position(position_m.as_vec3(), 1.5).unwrap();
+        assert!((start - Vec2::new(0.3, 0.5)).length() < 1e-4, "{start}");
+    }
+}

@@ -1,0 +1,316 @@
+//! What commands do, without the thread.
+
+use super::super::thrown::{Placing, TOOL, Throw, ThrowKind};
+use super::*;
+use crate::export::csv::HistoryWriter;
+
+fn opened(scene: &str, overrides: &[&str]) -> Session {
+    let mut session = Session::default();
+    let overrides = overrides.iter().map(|text| (*text).to_owned()).collect();
+    session.execute(Command::Open { scene: scene.to_owned(), overrides, play: true });
+    session
+}
+
+/// A body that falls from above.
+fn dropped(kind: ThrowKind) -> Throw {
+    Throw { kind, material: TOOL.to_owned(), placing: Placing::Above }
+}
+
+/// Plays so many moments, as on a machine that is always in time.
+fn play(session: &mut Session, moments: u32) {
+    for moment in 0..moments {
+        assert!(session.advance(f64::from(moment) * FRAME_S, || false));
+    }
+}
+
+#[test]
+fn a_scene_plays_at_its_own_slow_motion() {
+    let mut session = opened("bounce", &[]);
+    play(&mut session, 30);
+    let snapshot = session.snapshot();
+    let slow_motion = snapshot.scene.unwrap().description.recording.slow_motion;
+    assert!((snapshot.frame.time_s - 30.0 * FRAME_S / slow_motion).abs() < 1e-9);
+    assert_eq!(snapshot.history.rows().len(), 31);
+    assert!(snapshot.stable_step_s.is_finite() && snapshot.is_playing);
+}
+
+#[test]
+fn what_is_seen_does_not_depend_on_the_clock() {
+    let (mut punctual, mut late) = (opened("bounce", &[]), opened("bounce", &[]));
+    play(&mut punctual, 80);
+    let mut moments = 0;
+    while moments < 80 {
+        // Interrupted after every step, and far behind.
+        moments += u32::from(late.advance(f64::from(moments) * 9.0, || true));
+    }
+    assert_eq!(punctual.history, late.history);
+}
+
+#[test]
+fn elastic_steps_do_not_depend_on_the_speed() {
+    let elastic_steps_at = |speed: f64| {
+        let mut session = opened("rods-collision", &[]);
+        session.execute(Command::SetSpeed(speed));
+        let mut free_steps = 0;
+        while session.time_s() < 1e-4 {
+            session.advance(0.0, || false);
+            let world = &session.run.as_ref().unwrap().world;
+            if !world.is_deforming() {
+                free_steps = world.steps();
+            }
+        }
+        let world = &session.run.as_ref().unwrap().world;
+        (world.steps() - free_steps, world.sample().balance_j())
+    };
+    assert_eq!(elastic_steps_at(1.0 / 2e4), elastic_steps_at(1.0 / 3e5));
+}
+
+#[test]
+fn playing_hurries_to_what_the_recording_shows_unless_a_speed_was_chosen() {
+    let scene = ["recording.start=0.0405", "recording.slow_motion=1000"];
+    let mut session = opened("bounce", &scene);
+    play(&mut session, 3);
+    assert!((session.time_s() - 0.0405).abs() < 1e-3, "{}", session.time_s());
+    play(&mut session, 3);
+    assert!(session.time_s() < 0.041, "{}", session.time_s());
+    let mut chosen = opened("bounce", &scene);
+    chosen.execute(Command::SetSpeed(1e-3));
+    play(&mut chosen, 3);
+    assert!(chosen.time_s() < 1e-3, "{}", chosen.time_s());
+}
+
+#[test]
+fn playing_pauses_at_the_end_and_goes_on_beyond_when_asked_again() {
+    let mut session = opened("bounce", &["time.duration=0.0405"]);
+    play(&mut session, 300);
+    let snapshot = session.snapshot();
+    assert!(!snapshot.is_playing && is_reached(snapshot.frame.time_s, 0.0405));
+    assert!(snapshot.frame.time_s < 0.041, "{}", snapshot.frame.time_s);
+    assert_eq!(snapshot.over_after_s(), Some(0.0405));
+    session.execute(Command::Play);
+    play(&mut session, 30);
+    let beyond = session.snapshot();
+    assert!(beyond.is_playing && beyond.frame.time_s > snapshot.frame.time_s);
+    assert_eq!(beyond.over_after_s(), None);
+    session.execute(Command::Reset { overrides: Vec::new() });
+    assert_eq!(session.snapshot().over_after_s(), None);
+}
+
+#[test]
+fn pause_step_and_reset_do_what_they_say() {
+    let mut session = opened("bounce", &[]);
+    play(&mut session, 5);
+    session.execute(Command::Pause);
+    let paused_s = session.time_s();
+    assert_eq!(session.wait_s(0.0), None);
+    session.advance(10.0, || false);
+    assert_eq!(session.time_s(), paused_s);
+    session.execute(Command::Step);
+    assert!(session.time_s() > paused_s && !session.is_playing());
+    session.execute(Command::Reset { overrides: Vec::new() });
+    let snapshot = session.snapshot();
+    assert_eq!((snapshot.frame.time_s, snapshot.history.rows().len()), (0.0, 1));
+}
+
+/// history.csv of the session's world from where it stands to `until_s`, a row for every step.
+fn history_csv(session: &mut Session, until_s: f64) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("history.csv");
+    let mut history = HistoryWriter::create(&path).unwrap();
+    let world = &mut session.run.as_mut().unwrap().world;
+    while !is_reached(world.time_s(), until_s) {
+        world.step(until_s).unwrap();
+        history.write(&world.sample()).unwrap();
+    }
+    drop(history);
+    std::fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn every_reset_gives_the_same_bytes_on_one_and_two_threads() {
+    // Two bodies of several thousand elements, in contact from 30 us on.
+    const UNTIL_S: f64 = 4e-5;
+    let runs = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut session = opened("rods-collision-fine", &[]);
+            let first = history_csv(&mut session, UNTIL_S);
+            session.execute(Command::Reset { overrides: Vec::new() });
+            [first, history_csv(&mut session, UNTIL_S)]
+        })
+    });
+    let first = &runs[0][0];
+    assert!(first.contains("collision") && first.lines().count() > 50, "{first}");
+    assert!(runs.iter().flatten().all(|history| history == first));
+}
+
+#[test]
+fn overrides_act_at_the_reset_and_on_the_scene_as_opened() {
+    let mut session = opened("hammer-ground", &[]);
+    let modulus = |session: &mut Session| {
+        let scene = session.snapshot().scene.unwrap();
+        scene.description.materials.iter().find(|m| m.name == "head").unwrap().youngs_modulus_pa
+    };
+    let before = modulus(&mut session);
+    session.execute(Command::Reset { overrides: vec!["materials.head.youngs_modulus=2e6".to_owned()] });
+    assert_eq!(modulus(&mut session), 2e6);
+    session.execute(Command::Reset { overrides: vec!["materials.head.youngs_modulus=-1".to_owned()] });
+    assert_eq!(modulus(&mut session), 2e6);
+    assert!(session.snapshot().notice.unwrap().text.contains("youngs_modulus"));
+    session.execute(Command::Reset { overrides: Vec::new() });
+    assert_eq!(modulus(&mut session), before);
+}
+
+#[test]
+fn contact_acts_at_once_and_outlives_a_reset() {
+    let mut session = opened("bounce", &[]);
+    let contact = ContactParameters { friction_coefficient: 0.9, ..session.snapshot().contact.unwrap() };
+    session.execute(Command::SetContact(contact.clone()));
+    assert_eq!(session.snapshot().contact.as_ref(), Some(&contact));
+    session.execute(Command::Reset { overrides: Vec::new() });
+    assert_eq!(session.snapshot().contact, Some(contact.clone()));
+    session.execute(Command::SetContact(ContactParameters { friction_coefficient: -1.0, ..contact.clone() }));
+    assert_eq!(session.snapshot().contact, Some(contact));
+    assert!(session.snapshot().notice.is_some());
+}
+
+#[test]
+fn dropped_bodies_start_clear_of_all_others_and_fall() {
+    let mut session = opened("hammer-ground", &[]);
+    for kind in [ThrowKind::Hammer, ThrowKind::Cube, ThrowKind::Ball, ThrowKind::Cube] {
+        session.execute(Command::Throw(dropped(kind)));
+    }
+    let setup = session.run.as_ref().unwrap().world.setup().clone();
+    assert_eq!(setup.bodies.len(), 6);
+    for second in 1..setup.bodies.len() {
+        for first in 0..second {
+            let [a, b] = [first, second].map(|body| &setup.bodies[body].mesh);
+            assert_eq!(crate::scene::overlap(a, b), None, "{first} {second}");
+        }
+    }
+    let kinetic = |session: &Session| session.history.rows().last().unwrap().kinetic_j;
+    let before = kinetic(&session);
+    play(&mut session, 60);
+    assert!(kinetic(&session) > before && session.run_error.is_none());
+    assert_eq!(session.snapshot().frame.bodies.len(), 6);
+}
+
+#[test]
+fn a_broken_scene_is_told_and_the_old_one_stays() {
+    let mut session = opened("bounce", &[]);
+    let open = |scene: &str| Command::Open { scene: scene.to_owned(), overrides: vec![], play: true };
+    session.execute(open("no-such-scene"));
+    let snapshot = session.snapshot();
+    assert!(snapshot.notice.unwrap().text.contains("no-such-scene"));
+    assert_eq!(snapshot.scene.unwrap().name, "bounce");
+}
+
+#[test]
+fn a_failed_run_keeps_its_last_frame_until_the_reset() {
+    let mut session = opened("bounce", &[]);
+    play(&mut session, 5);
+    let time_s = session.snapshot().frame.time_s;
+    session.fail("blown up".to_owned());
+    session.execute(Command::Play);
+    session.execute(Command::Step);
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    let snapshot = session.snapshot();
+    assert!(!snapshot.is_playing && snapshot.run_error.is_some());
+    assert_eq!(snapshot.frame.time_s, time_s);
+    session.execute(Command::Reset { overrides: Vec::new() });
+    session.execute(Command::Play);
+    assert!(session.is_playing() && session.snapshot().run_error.is_none());
+}
+
+/// Everything that sums up the state of the session's world now.
+fn state(session: &Session) -> String {
+    let run = session.run.as_ref().unwrap();
+    let positions: Vec<_> = (0..run.world.body_count()).map(|b| run.world.positions_m(b).to_vec()).collect();
+    format!("{:?} {:?} {positions:?}", run.world.time_s(), run.world.sample())
+}
+
+#[test]
+fn playing_on_from_a_recorded_moment_gives_the_same_bytes() {
+    // Breaks: cracks, contact within bodies and fragments all have to come back.
+    let mut session = opened("brick-pile", &["time.duration=1", "recording.slow_motion=200"]);
+    session.keyframe_every = 7;
+    play(&mut session, 90);
+    let throw = Throw {
+        placing: Placing::From {
+            position_m: glam::DVec3::new(0.3, 0.3, 0.6),
+            velocity_m_s: glam::DVec3::new(-8.0, -7.0, -8.0),
+            spin_rad_s: glam::DVec3::X,
+        },
+        ..dropped(ThrowKind::Ball)
+    };
+    session.execute(Command::Throw(throw));
+    play(&mut session, 40);
+    let end = session.snapshot();
+    assert!(end.frame.status.fragments > 8, "nothing broke: {:?}", end.frame.status);
+    assert!(session.keyframes.len() > 5 && end.recording.marks().len() > 2);
+    let bytes = state(&session);
+    let moments = end.recording.moments();
+    assert_eq!(moments.len(), 131);
+    // After the throw, before it, among the cracks, before the blow.
+    for (from, to) in [(120, 130), (88, 90), (60, 85), (3, 40)] {
+        session.execute(Command::PlayOnFrom { time_s: moments[from].time_s, play: true });
+        let back = session.snapshot();
+        assert_eq!((back.frame.time_s, session.edits.len()), (moments[from].time_s, moments[from].edits));
+        assert_eq!(back.scene.unwrap().setup.changes.len(), moments[from].edits);
+        assert_eq!(seen(&back.frame), seen(&moments[from].frame), "back at {from}");
+        let world = &mut session.run.as_mut().unwrap().world;
+        while world.time_s() < moments[to].time_s {
+            world.step(moments[to].time_s).unwrap();
+        }
+        assert_eq!(seen(&world.publish()), seen(&moments[to].frame), "from {from} to {to}");
+        if to == 130 {
+            assert_eq!(state(&session), bytes);
+        }
+    }
+}
+
+/// Time, places and stresses of a frame.
+fn seen(frame: &Frame) -> Vec<(f64, Vec<[f32; 3]>, Vec<f32>)> {
+    let bodies = frame.bodies.iter();
+    bodies.map(|b| (frame.time_s, b.positions_m.clone(), b.fields.von_mises_pa.clone())).collect()
+}
+
+#[test]
+fn a_saved_scene_throws_again_what_was_thrown_and_gives_the_same_bytes() {
+    let mut session = opened("brick-pile", &["time.duration=1", "recording.slow_motion=300"]);
+    play(&mut session, 40);
+    session.execute(Command::Throw(dropped(ThrowKind::Hammer)));
+    play(&mut session, 20);
+    session.execute(Command::Throw(dropped(ThrowKind::CopyOf("top".to_owned()))));
+    play(&mut session, 10);
+    let lower = session.snapshot().body_names.iter().position(|name| name == "lower-2").unwrap();
+    session.execute(Command::Remove(lower));
+    play(&mut session, 30);
+    let seen = session.snapshot();
+    assert!(seen.notice.is_none(), "{:?}", seen.notice);
+    assert!(seen.frame.bodies[lower].positions_m.is_empty());
+    let text = seen.scene.unwrap().to_toml();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, &text).unwrap();
+    let mut again = opened(path.to_str().unwrap(), &[]);
+    play(&mut again, 100);
+    assert_eq!(state(&again), state(&session), "{text}");
+    assert_eq!(again.history.rows().last(), session.history.rows().last());
+}
+
+#[test]
+fn undo_brings_back_the_moment_before_the_throw() {
+    let mut session = opened("bounce", &[]);
+    play(&mut session, 20);
+    let (before, time_s) = (state(&session), session.time_s());
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    play(&mut session, 20);
+    assert!(session.snapshot().undo.unwrap().contains("Ball"));
+    session.execute(Command::Undo);
+    assert_eq!((state(&session), session.time_s()), (before, time_s));
+    let snapshot = session.snapshot();
+    assert!(snapshot.undo.is_none() && snapshot.is_playing);
+    assert!(snapshot.scene.unwrap().setup.changes.is_empty());
+    assert!(snapshot.history.rows().iter().all(|row| row.time_s <= time_s));
+}

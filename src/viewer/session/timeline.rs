@@ -1,0 +1,217 @@
+//! Recording what was simulated, and going back into it.
+//!
+//! A recorded moment is only a picture. To play on from one, the last world kept before it is copied and stepped up to
+//! it, with the edits that came in between: steps end where they end, whoever looks, so this gives the same bytes.
+
+use super::super::recording::{MarkKind, Recording};
+use super::{Run, Session};
+use crate::scene::Scene;
+use crate::sim::{BodySetup, ContactParameters, SimError, World};
+use std::sync::Arc;
+
+/// Of so many moments one comes with a world at first.
+pub(super) const FIRST_KEYFRAME_EVERY: u32 = 40;
+
+/// A world to play on from.
+pub(super) struct Keyframe {
+    time_s: f64,
+    /// How many edits it has seen.
+    edits: usize,
+    thrown: usize,
+    bytes: usize,
+    run: Run,
+}
+
+/// What was done to the running scene.
+#[derive(Clone)]
+pub(super) enum Done {
+    Contact(ContactParameters),
+    /// The scene with the newcomer, and that body.
+    Enter(Arc<Scene>, Box<BodySetup>),
+    /// The scene without the body, and its number.
+    Leave(Arc<Scene>, usize),
+}
+
+/// An edit and its time.
+#[derive(Clone)]
+pub(super) struct Edit {
+    pub time_s: f64,
+    pub done: Done,
+}
+
+impl Edit {
+    pub fn contact(time_s: f64, contact: ContactParameters) -> Self {
+        Self { time_s, done: Done::Contact(contact) }
+    }
+}
+
+/// Where an edit can be taken back to.
+pub(super) struct UndoPoint {
+    /// What was done, in words.
+    pub what: String,
+    pub time_s: f64,
+    /// Edits before it.
+    pub edits: usize,
+}
+
+impl Session {
+    /// The frame of the present moment, made once.
+    pub(super) fn renew_frame(&mut self) {
+        if let Some(run) = self.run.as_ref().filter(|_| self.run_error.is_none()) {
+            let is_new =
+                self.frame_of != Some((run.world.steps(), run.world.time_s().to_bits(), self.edits.len()));
+            if is_new {
+                self.frame = Arc::new(run.world.publish());
+                self.frame_of = Some((run.world.steps(), run.world.time_s().to_bits(), self.edits.len()));
+            }
+        }
+    }
+
+    /// Records the present moment if it is its turn.
+    pub(super) fn record(&mut self) {
+        if self.run.is_none() || !Arc::make_mut(&mut self.recording).wants_next() {
+            return;
+        }
+        self.renew_frame();
+        Arc::make_mut(&mut self.recording).push(self.frame.clone(), self.edits.len());
+        self.moments_since_keyframe += 1;
+        if self.keyframes.is_empty() || self.moments_since_keyframe >= self.keyframe_every {
+            self.keep_world();
+        }
+    }
+
+    /// Keeps a copy of the world, and fewer of the older ones when memory runs out; the first one always stays.
+    pub(super) fn keep_world(&mut self) {
+        let Some(run) = &self.run else { return };
+        self.moments_since_keyframe = 0;
+        let bytes = run.world.memory_bytes();
+        let limit = self.recording.world_limit_bytes();
+        if !self.keyframes.is_empty() && bytes + self.keyframes[0].bytes > limit {
+            return;
+        }
+        let (edits, thrown, time_s) = (self.edits.len(), self.thrown, run.world.time_s());
+        self.keyframes.push(Keyframe { time_s, edits, thrown, bytes, run: run.clone() });
+        self.keep_worlds_within(limit);
+    }
+
+    fn keep_worlds_within(&mut self, limit_bytes: usize) {
+        let sum = |keyframes: &[Keyframe]| keyframes.iter().map(|k| k.bytes).sum::<usize>();
+        while sum(&self.keyframes) > limit_bytes && self.keyframes.len() > 1 {
+            let mut is_kept = false;
+            self.keyframes.retain(|_| {
+                is_kept = !is_kept;
+                is_kept
+            });
+            self.keyframe_every = self.keyframe_every.saturating_mul(2);
+        }
+        Arc::make_mut(&mut self.recording).world_bytes = sum(&self.keyframes);
+    }
+
+    pub(super) fn set_memory_limit(&mut self, bytes: usize) {
+        Arc::make_mut(&mut self.recording).set_limit(bytes);
+        self.keep_worlds_within(self.recording.world_limit_bytes());
+    }
+
+    pub(super) fn forget_recording(&mut self) {
+        self.recording = Arc::new(Recording::with_limit(self.recording.limit_bytes()));
+        self.keyframes.clear();
+        self.keyframe_every = FIRST_KEYFRAME_EVERY;
+        self.moments_since_keyframe = 0;
+        self.edits.clear();
+        self.undo.clear();
+        self.frame_of = None;
+        (self.contacts_marked, self.crack_area_m2, self.are_cracks_growing) = (0, 0.0, false);
+    }
+
+    /// Marks contacts and cracks that have begun since the last moment.
+    pub(super) fn note_marks(&mut self, crack_area_m2: f64) {
+        let Some(run) = &self.run else { return };
+        let episodes = run.world.contact_episodes();
+        let mut marks = Vec::new();
+        for episode in &episodes[self.contacts_marked.min(episodes.len())..] {
+            let [a, b] = episode.bodies;
+            if a != b {
+                let [a, b] = [a, b].map(|body| run.body_names.get(body).map_or("?", String::as_str));
+                marks.push((episode.begin_s, MarkKind::Contact, format!("{a} meets {b}")));
+            }
+        }
+        self.contacts_marked = episodes.len();
+        let is_growing = crack_area_m2 > self.crack_area_m2;
+        if is_growing && !self.are_cracks_growing {
+            marks.push((run.world.time_s(), MarkKind::Crack, "cracks start".to_owned()));
+        }
+        (self.are_cracks_growing, self.crack_area_m2) = (is_growing, crack_area_m2);
+        if !marks.is_empty() {
+            let recording = Arc::make_mut(&mut self.recording);
+            marks.into_iter().for_each(|(time_s, kind, text)| recording.mark(time_s, kind, text));
+        }
+    }
+
+    /// Goes back to the recorded moment at a time and stands there.
+    pub(super) fn play_on_from(&mut self, time_s: f64, play: bool) {
+        let Some((time_s, edits)) = self.recording.at(time_s).map(|m| (m.time_s, m.edits)) else { return };
+        self.go_back(time_s, edits);
+        self.set_playing(play);
+    }
+
+    /// Takes the last throw or removal back.
+    pub(super) fn undo_last(&mut self) {
+        let Some(point) = self.undo.pop() else { return };
+        let was_playing = self.is_playing;
+        if self.go_back(point.time_s, point.edits) {
+            self.tell(format!("Taken back: {}. The scene is where it was then.", point.what));
+        }
+        self.set_playing(was_playing);
+    }
+
+    fn go_back(&mut self, time_s: f64, edits: usize) -> bool {
+        let (run, thrown) = match self.run_at(time_s, edits) {
+            Ok(found) => found,
+            Err(error) => {
+                self.tell(format!("the moment cannot be reached again: {error}"));
+                return false;
+            }
+        };
+        self.edits.truncate(edits);
+        self.undo.retain(|point| point.edits < edits);
+        self.keyframes.retain(|keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits);
+        self.keep_worlds_within(self.recording.world_limit_bytes());
+        Arc::make_mut(&mut self.recording).cut_after(time_s, edits);
+        Arc::make_mut(&mut self.history).cut_after(time_s);
+        self.contacts_marked = run.world.contact_episodes().len();
+        (self.crack_area_m2, self.are_cracks_growing) = (run.world.sample().crack_area_m2, false);
+        (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
+        self.standing_steps = 0;
+        self.run_error = None;
+        self.thrown = thrown;
+        self.run = Some(run);
+        self.frame_of = None;
+        self.restart_clock();
+        true
+    }
+
+    /// The run at a time, after so many edits.
+    fn run_at(&self, time_s: f64, edits: usize) -> Result<(Run, usize), SimError> {
+        let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
+        let keyframe = self.keyframes.iter().rev().find(is_before);
+        let Some(keyframe) = keyframe else {
+            return Err(SimError::Setup("nothing of it is in memory".to_owned()));
+        };
+        let mut run = keyframe.run.clone();
+        let mut thrown = keyframe.thrown;
+        for edit in &self.edits[keyframe.edits..edits.min(self.edits.len())] {
+            step_to(&mut run.world, edit.time_s)?;
+            thrown += usize::from(matches!(edit.done, Done::Enter(..)));
+            run.make(&edit.done)?;
+        }
+        step_to(&mut run.world, time_s)?;
+        Ok((run, thrown))
+    }
+}
+
+fn step_to(world: &mut World, time_s: f64) -> Result<(), SimError> {
+    while world.time_s() < time_s {
+        world.step(time_s)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! What goes to and from the simulation: commands in, snapshots out.
+
+use super::history::History;
+use super::recording::Recording;
+use super::thrown::Throw;
+use crate::frame::Frame;
+use crate::scene::Scene;
+use crate::sim::ContactParameters;
+use std::sync::Arc;
+
+use super::session::is_reached;
+
+/// What the window asks of the simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Opens a built-in scene or a file with overrides (`path=value`).
+    Open {
+        /// Name or path.
+        scene: String,
+        /// Overrides.
+        overrides: Vec<String>,
+        /// Whether it plays at once.
+        play: bool,
+    },
+    /// Closes the scene.
+    Close,
+    /// Lets time run.
+    Play,
+    /// Stops time.
+    Pause,
+    /// Takes one step and stops.
+    Step,
+    /// Back to the start, with these overrides on top of the scene as it was opened.
+    Reset {
+        /// Overrides.
+        overrides: Vec<String>,
+    },
+    /// Simulated seconds a second.
+    SetSpeed(f64),
+    /// Changes contact from the next step on, and after resets.
+    SetContact(ContactParameters),
+    /// Throws a body into the scene.
+    Throw(Throw),
+    /// Takes a body out, by its number in the frame.
+    Remove(usize),
+    /// Takes the last throw or removal back: the scene stands again where it was done.
+    Undo,
+    /// Goes back to the recorded moment at this time, s; what came after is forgotten when time runs on.
+    PlayOnFrom {
+        /// s.
+        time_s: f64,
+        /// Whether time runs at once.
+        play: bool,
+    },
+    /// Memory for the recording, bytes.
+    SetMemoryLimit(usize),
+}
+
+/// Something the user has to be told.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// Counts the notices, so that a dismissed one is not shown again.
+    pub number: u64,
+    /// What happened and what to do.
+    pub text: String,
+}
+
+/// Everything the window shows of one moment.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// Commands carried out so far.
+    pub commands_done: u64,
+    /// Counts the scenes opened; a new one gets a new camera.
+    pub opened: u64,
+    /// Counts the worlds built.
+    pub built: u64,
+    /// The scene as it was opened; `None` when there is none.
+    pub base: Option<Arc<Scene>>,
+    /// The scene as it runs: with the overrides of the last reset.
+    pub scene: Option<Arc<Scene>>,
+    /// Contact as it acts now.
+    pub contact: Option<ContactParameters>,
+    /// Bodies by name, in the order of [`PairFriction::bodies`].
+    pub body_names: Arc<[String]>,
+    /// The last good frame.
+    pub frame: Arc<Frame>,
+    /// Balances over time.
+    pub history: Arc<History>,
+    /// Everything simulated so far, to look at again.
+    pub recording: Arc<Recording>,
+    /// What undo would take back.
+    pub undo: Option<String>,
+    /// Whether time runs.
+    pub is_playing: bool,
+    /// Simulated seconds a second asked for.
+    pub speed: f64,
+    /// Simulated seconds a second reached; `None` when paused or too early to tell.
+    pub real_time_factor: Option<f64>,
+    /// Elastic step of the slowest body, s; infinite when nothing deforms.
+    pub stable_step_s: f64,
+    /// Why the run cannot go on, if so.
+    pub run_error: Option<String>,
+    /// The last thing that went wrong besides.
+    pub notice: Option<Notice>,
+}
+
+impl Snapshot {
+    /// Duration of the scene in s, when it is over and nothing plays.
+    #[must_use]
+    pub fn over_after_s(&self) -> Option<f64> {
+        let duration_s = self.scene.as_ref()?.description.duration_s;
+        (!self.is_playing && is_reached(self.frame.time_s, duration_s)).then_some(duration_s)
+    }
+}

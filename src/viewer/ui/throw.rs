@@ -1,0 +1,111 @@
+//! Throwing and dropping bodies into the scene.
+
+use super::Action;
+use super::widgets::Parameter;
+use crate::viewer::app::App;
+use crate::viewer::thrown::{TOOL, ThrowKind};
+use egui::{Button, ComboBox, Ui};
+
+const SPEED: Parameter = Parameter {
+    label: "Speed",
+    unit: "m/s",
+    hint: "How fast it leaves the hand",
+    range: 0.1..=500.0,
+    is_logarithmic: true,
+};
+const SPIN: Parameter = Parameter {
+    label: "Spin",
+    unit: "rad/s",
+    hint: "Rolling forwards (positive) or backwards, as seen along the throw",
+    range: -200.0..=200.0,
+    is_logarithmic: false,
+};
+
+/// Shows what is thrown and how.
+pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    ui.add_enabled_ui(app.snapshot.run_error.is_none(), |ui| {
+        choices(ui, app);
+        SPEED.show(ui, &mut app.aim.speed_m_s);
+        SPIN.show(ui, &mut app.aim.spin_rad_s);
+        let hint = "Press where the body shall start, drag to what it shall hit, let go (T). Off: dragging turns the camera.";
+        let text = if app.aim.is_armed { "Drag in the picture to throw" } else { "Throw with the mouse" };
+        let size = [ui.available_width(), 28.0];
+        let aim = Button::selectable(app.aim.is_armed, text).frame_when_inactive(true);
+        if ui.add_sized(size, aim).on_hover_text(hint).clicked() {
+            actions.push(Action::ToggleAim);
+        }
+        drop_buttons(ui, app, actions);
+        undo(ui, app, actions);
+    });
+}
+
+fn choices(ui: &mut Ui, app: &mut App) {
+    let aim = &mut app.aim;
+    let bodies = app.snapshot.scene.iter().flat_map(|scene| &scene.description.bodies);
+    let copies = bodies.filter(|body| matches!(body.motion, crate::sim::BodyMotion::Deformable(_)));
+    let copies = copies.map(|body| ThrowKind::CopyOf(body.name.clone()));
+    let kinds: Vec<ThrowKind> = ThrowKind::SHAPES.into_iter().chain(copies).collect();
+    ui.horizontal(|ui| {
+        let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
+        ComboBox::from_id_salt("thrown body")
+            .width(width)
+            .truncate()
+            .selected_text(words(&aim.kind))
+            .show_ui(ui, |ui| {
+                for kind in kinds {
+                    let text = words(&kind);
+                    ui.selectable_value(&mut aim.kind, kind, text);
+                }
+            });
+        let is_copy = matches!(aim.kind, ThrowKind::CopyOf(_));
+        ui.add_enabled_ui(!is_copy, |ui| {
+            let scene = app.snapshot.scene.clone();
+            let materials = scene.as_ref().map(|scene| scene.body_materials()).unwrap_or_default();
+            let shown = if is_copy { "as it is" } else { material_words(&aim.material) };
+            let hint = "What it is made of. The tool is heavy and never breaks.";
+            let combo = ComboBox::from_id_salt("thrown material").width(ui.available_width()).truncate();
+            let combo = combo.selected_text(shown).show_ui(ui, |ui| {
+                ui.selectable_value(&mut aim.material, TOOL.to_owned(), material_words(TOOL));
+                for name in materials.into_iter().filter(|name| *name != TOOL) {
+                    ui.selectable_value(&mut aim.material, name.to_owned(), name);
+                }
+            });
+            combo.response.on_hover_text(hint);
+        });
+    });
+}
+
+fn words(kind: &ThrowKind) -> String {
+    match kind {
+        ThrowKind::CopyOf(name) => format!("like `{name}`"),
+        kind => kind.label().to_owned(),
+    }
+}
+
+fn material_words(name: &str) -> &str {
+    if name == TOOL { "tool, never breaks" } else { name }
+}
+
+fn drop_buttons(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+    ui.columns_const(|columns: &mut [Ui; 3]| {
+        for (ui, kind) in columns.iter_mut().zip(ThrowKind::SHAPES) {
+            let size = [ui.available_width(), 28.0];
+            let hint = format!("Drop a {} from above the middle", kind.label().to_lowercase());
+            let text = format!("Drop {}", kind.label().to_lowercase());
+            if ui.add_sized(size, Button::new(text).truncate()).on_hover_text(hint).clicked() {
+                actions.push(Action::Throw(app.aim.drop(kind)));
+            }
+        }
+    });
+}
+
+fn undo(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+    if let Some(what) = &app.snapshot.undo {
+        let size = [ui.available_width(), 26.0];
+        let hint = "The scene goes back to where it stood then (Ctrl Z)";
+        let button = Button::new(format!("Undo: {what}")).truncate();
+        if ui.add_sized(size, button).on_hover_text(hint).clicked() {
+            actions.push(Action::Undo);
+        }
+    }
+}
