@@ -13,6 +13,7 @@
 
 mod aim;
 mod app;
+mod criterion_edit;
 mod edits;
 mod graphics;
 mod history;

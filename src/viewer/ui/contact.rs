@@ -22,6 +22,22 @@ const STIFFNESS: Parameter = Parameter {
     range: 1.0..=1e9,
     is_logarithmic: true,
 };
+const TOLERANCE: Parameter = Parameter {
+    label: "Tolerance",
+    unit: "",
+    hint: "Relative change of the contact forces at which the passes stop",
+    range: 1e-9..=0.1,
+    is_logarithmic: true,
+};
+const REST_SPEED: Parameter = Parameter {
+    label: "Resting speed",
+    unit: "m/s",
+    hint: "Slower impacts give nothing back, so that stacks come to rest",
+    range: 0.0..=10.0,
+    is_logarithmic: true,
+};
+/// Resting speed when somebody wants to choose it, m/s.
+const FIRST_REST_SPEED_M_S: f64 = 0.01;
 /// Stiffness when the method is switched to penalty, N/m.
 const FIRST_STIFFNESS_N_M: f64 = 1e4;
 
@@ -32,14 +48,24 @@ pub fn show(ui: &mut Ui, contact: &mut ContactParameters, snapshot: &Snapshot) -
     is_changed |= pair_friction(ui, contact, snapshot);
     is_changed |= method(ui, &mut contact.method);
     match &mut contact.method {
-        ContactMethod::Lagrange { passes, conserve_impact_energy, .. } => {
+        ContactMethod::Lagrange { passes, conserve_impact_energy, tolerance } => {
             is_changed |= passes_slider(ui, passes);
+            is_changed |= TOLERANCE.show(ui, tolerance);
             is_changed |= ui
                 .checkbox(conserve_impact_energy, "Impacts conserve energy")
                 .on_hover_text("Otherwise surfaces that meet stay together: plastic impact")
                 .changed();
         }
         ContactMethod::Penalty { stiffness_n_m } => is_changed |= STIFFNESS.show(ui, stiffness_n_m),
+    }
+    let mut is_chosen = contact.rest_speed_m_s.is_some();
+    let hint = "Otherwise it follows from gravity and step";
+    if ui.checkbox(&mut is_chosen, "Choose the resting speed").on_hover_text(hint).changed() {
+        contact.rest_speed_m_s = is_chosen.then_some(FIRST_REST_SPEED_M_S);
+        is_changed = true;
+    }
+    if let Some(speed_m_s) = &mut contact.rest_speed_m_s {
+        is_changed |= REST_SPEED.show(ui, speed_m_s);
     }
     let hint = "Whether parts of one body push each other away";
     is_changed |= ui

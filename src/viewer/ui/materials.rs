@@ -1,8 +1,11 @@
 //! Materials on sliders: act on reset.
 
+use super::fracture;
 use super::widgets::{Acts, Parameter, badge};
 use crate::scene::Scene;
 use crate::sim::Material;
+use crate::viewer::criterion_edit::CriterionEdit;
+use crate::viewer::edits::Edits;
 use egui::{CollapsingHeader, Color32, RichText, Ui, vec2};
 
 const MODULUS: Parameter = Parameter {
@@ -26,6 +29,13 @@ const DENSITY: Parameter = Parameter {
     range: 10.0..=25e3,
     is_logarithmic: true,
 };
+const STIFFNESS_DAMPING: Parameter = Parameter {
+    label: "Stiffness damping",
+    unit: "s",
+    hint: "Damps fast vibration more than slow; costs stable step",
+    range: 0.0..=1e-2,
+    is_logarithmic: true,
+};
 const DAMPING: Parameter = Parameter {
     label: "Damping",
     unit: "1/s",
@@ -35,10 +45,10 @@ const DAMPING: Parameter = Parameter {
 };
 
 /// Shows the materials; `base` is the scene as it was opened.
-pub fn show(ui: &mut Ui, materials: &mut [Material], base: Option<&Scene>) {
+pub fn show(ui: &mut Ui, edits: &mut Edits, base: Option<&Scene>) {
     badge(ui, Acts::OnReset);
-    let is_open = materials.len() <= 2;
-    for material in materials {
+    let is_open = edits.materials.len() <= 2;
+    for (material, criterion) in edits.materials.iter_mut().zip(&mut edits.criteria) {
         let original =
             base.and_then(|scene| scene.description.materials.iter().find(|m| m.name == material.name));
         CollapsingHeader::new(RichText::new(&material.name))
@@ -47,7 +57,8 @@ pub fn show(ui: &mut Ui, materials: &mut [Material], base: Option<&Scene>) {
             .icon(swatch(material.color_srgb))
             .show_unindented(ui, |ui| {
                 sliders(ui, material);
-                go_back(ui, material, original);
+                fracture::criterion(ui, criterion);
+                go_back(ui, (material, criterion), original);
                 ui.add_space(6.0);
             });
     }
@@ -58,12 +69,22 @@ fn sliders(ui: &mut Ui, material: &mut Material) {
     POISSON.show(ui, &mut material.poisson_ratio);
     DENSITY.show(ui, &mut material.density_kg_m3);
     DAMPING.show(ui, &mut material.damping_per_s);
+    STIFFNESS_DAMPING.show(ui, &mut material.stiffness_damping_s);
 }
 
-fn go_back(ui: &mut Ui, material: &mut Material, original: Option<&Material>) {
-    let Some(original) = original.filter(|original| *original != material) else { return };
+fn go_back(
+    ui: &mut Ui,
+    (material, criterion): (&mut Material, &mut CriterionEdit),
+    original: Option<&Material>,
+) {
+    let Some(original) = original else { return };
+    let criterion_before = CriterionEdit::of(original.fracture.as_ref());
+    if original == material && criterion_before == *criterion {
+        return;
+    }
     if ui.small_button("As in the scene").on_hover_text("Takes back the changes of this material").clicked() {
         *material = original.clone();
+        *criterion = criterion_before;
     }
 }
 

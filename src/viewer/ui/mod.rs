@@ -2,6 +2,7 @@
 
 mod banner;
 mod contact;
+mod fracture;
 mod gallery;
 mod help;
 mod icons;

@@ -1,8 +1,16 @@
 //! The panel at the left: dropping bodies, contact, materials.
 
-use super::{Action, contact, materials, throw, widgets};
+use super::{Action, contact, fracture, materials, throw, widgets};
 use crate::viewer::app::App;
 use egui::Ui;
+
+const STEP_SHARE: widgets::Parameter = widgets::Parameter {
+    label: "Step over the stable one",
+    unit: "",
+    hint: "Smaller steps tell hard blows more truly and cost more",
+    range: 0.05..=1.0,
+    is_logarithmic: false,
+};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -13,7 +21,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         egui::Panel::bottom("apply").frame(frame).show_separator_line(false).show(ui, |ui| {
             ui.add_space(6.0);
             ui.vertical_centered_justified(|ui| {
-                if widgets::primary_button(ui, "Reset to apply the materials  (R)").clicked() {
+                if widgets::primary_button(ui, "Reset to apply the changes  (R)").clicked() {
                     actions.push(Action::Reset);
                 }
             });
@@ -27,8 +35,15 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
             }
         });
         let base = app.snapshot.base.clone();
-        widgets::section(ui, "Materials", |ui| {
-            materials::show(ui, &mut app.edits.materials, base.as_deref())
+        widgets::section(ui, "Materials", |ui| materials::show(ui, &mut app.edits, base.as_deref()));
+        if let Some(base) = &base {
+            widgets::section(ui, "Cracks", |ui| {
+                fracture::growth(ui, &mut app.edits.fracture, &base.description.fracture);
+            });
+        }
+        widgets::section(ui, "Time", |ui| {
+            widgets::badge(ui, widgets::Acts::OnReset);
+            STEP_SHARE.show(ui, &mut app.edits.cfl);
         });
     });
 }

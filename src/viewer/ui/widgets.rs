@@ -64,6 +64,7 @@ pub fn measured(value: f64, unit: &str) -> String {
 fn with_its_unit(value: f64, unit: &str) -> String {
     match unit {
         "" => short(value),
+        "°" => format!("{}°", short(value)),
         _ if unit.starts_with("kg") || unit.starts_with("1/") => format!("{} {unit}", short(value)),
         _ => with_unit(value, unit),
     }
