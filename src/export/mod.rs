@@ -8,6 +8,7 @@ pub mod gif;
 mod palette;
 pub mod png;
 pub mod summary;
+pub mod surface_mesh;
 pub mod vtu;
 
 use crate::io_reason::io_reason;

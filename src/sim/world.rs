@@ -310,6 +310,8 @@ impl World {
         raise_above(&mut setup.mesh.nodes_m, &self.bodies);
         let mut body = Body::new(&setup, &self.setup.fracture)?;
         start(&mut body, &self.setup)?;
+        // Who throws it does the work.
+        body.ledger.external_j += body.kinetic_j();
         if body.is_deformable() {
             self.fragments += Pieces::by_faces(&body.tets).count;
         }

@@ -5,18 +5,23 @@ use super::edits::Edits;
 use super::look::Look;
 use super::player::Player;
 use super::recording::Recording;
+use super::saving::{self, GIF_FPS, Job, MOST_PICTURES, Saver, Shot};
 use super::simulation::Simulation;
 use super::snapshot::{Command, Snapshot};
 use super::thumbnails::{Sketch, Sketcher};
 use super::ui::{self, Action};
 use crate::frame::Frame;
-use crate::render::{Camera, View};
+use crate::render::{Camera, Caption, View};
 use crate::scene::BUILTIN_SCENES;
 use egui::{Rect, TextureId, Ui};
 use std::sync::Arc;
 
 /// Title of the window without a scene.
 pub const TITLE: &str = "hammerfall";
+/// Width of the largest animation, pixels: larger ones get unwieldy.
+const LARGEST_GIF_PX: u32 = 960;
+/// How often the window looks how far saving is.
+const SAVING_LOOK: std::time::Duration = std::time::Duration::from_millis(50);
 /// Longest time by which the recording goes on in one frame, s of wall time.
 const LONGEST_FRAME_S: f64 = 0.1;
 
@@ -45,6 +50,12 @@ pub struct App {
     pub aim: Aim,
     /// Which recorded moment is shown.
     pub player: Player,
+    /// Writes files.
+    pub saver: Saver,
+    /// Where to, and what came of it.
+    pub save: SaveState,
+    /// What went wrong in the window itself.
+    trouble: Option<String>,
     /// Which panels are there.
     pub panels: Panels,
     /// Whether the gallery covers the scene.
@@ -61,6 +72,47 @@ pub struct App {
     sketches: Vec<Sketch>,
     sketches_drawn: usize,
     actions: Vec<Action>,
+}
+
+/// What can be saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaveKind {
+    /// The moment shown, as PNG.
+    Picture,
+    /// A range of the timeline, as GIF.
+    Animation,
+    /// The scene, as TOML.
+    Scene,
+    /// The fragments, as OBJ.
+    Obj,
+    /// The fragments, as PLY.
+    Ply,
+}
+
+/// Where files go, and what came of the last one.
+#[derive(Clone, Debug)]
+pub struct SaveState {
+    /// Folder.
+    pub folder: String,
+    /// Range of the animation, percent of the recording; `None`: all of it.
+    pub shares: Option<[f64; 2]>,
+    /// How the last one came out.
+    pub outcome: Option<String>,
+}
+
+impl Default for SaveState {
+    fn default() -> Self {
+        let here = std::env::current_dir().unwrap_or_default();
+        Self { folder: here.to_string_lossy().into_owned(), shares: None, outcome: None }
+    }
+}
+
+impl SaveState {
+    /// Start and end of the animation, s, of a recording that ends at `end_s`.
+    #[must_use]
+    pub fn range(&self, end_s: f64) -> [f64; 2] {
+        self.shares.unwrap_or([0.0, 100.0]).map(|share| 0.01 * share * end_s)
+    }
 }
 
 /// A picture that the window's graphics should draw.
@@ -86,6 +138,9 @@ impl App {
             look: Look::default(),
             aim: Aim::default(),
             player: Player::default(),
+            saver: Saver::default(),
+            save: SaveState::default(),
+            trouble: None,
             panels: Panels { parameters: true, inspector: true, help: false },
             is_gallery: true,
             dismissed: 0,
@@ -124,6 +179,9 @@ impl App {
     /// The text of the notice that is shown, if any.
     #[must_use]
     pub fn notice(&self) -> Option<&str> {
+        if let Some(trouble) = &self.trouble {
+            return Some(trouble);
+        }
         let notice = self.snapshot.notice.as_ref().filter(|notice| notice.number > self.dismissed);
         notice.map(|notice| notice.text.as_str())
     }
@@ -138,6 +196,7 @@ impl App {
     pub fn update(&mut self, ui: &mut Ui) {
         self.take_news();
         self.play_recording(ui.ctx());
+        self.look_after_saving(ui.ctx());
         let mut actions = std::mem::take(&mut self.actions);
         ui::style::choose_theme(ui.ctx(), self.look.is_dark);
         ui::keys::read(ui.ctx(), self.is_gallery, self.panels.help, &mut actions);
@@ -243,6 +302,76 @@ impl App {
         }
     }
 
+    /// Times of the pictures of the animation, s.
+    #[must_use]
+    pub fn animation_times(&self) -> Vec<f64> {
+        let end_s = self.snapshot.recording.moments().last().map_or(0.0, |moment| moment.time_s);
+        let [from_s, to_s] = self.save.range(end_s);
+        let wall_s = (to_s - from_s) / self.snapshot.speed.max(1e-9);
+        let count = ((wall_s * GIF_FPS).ceil() as usize).clamp(1, MOST_PICTURES);
+        let step_s = (to_s - from_s) / count as f64;
+        (0..=count).map(|index| from_s + step_s * index as f64).collect()
+    }
+
+    fn shot(&self, with_motion: bool) -> Shot {
+        let mut size_px = self.viewport.map_or([960, 540], |area| {
+            // Even sizes, which every player likes.
+            [area.width(), area.height()].map(|side| (side / 2.0).round().max(32.0) as u32 * 2)
+        });
+        if with_motion && size_px[0] > LARGEST_GIF_PX {
+            let scale = f64::from(LARGEST_GIF_PX) / f64::from(size_px[0]);
+            size_px = size_px.map(|side| (f64::from(side) * scale / 2.0).round().max(16.0) as u32 * 2);
+        }
+        let slow_motion = (with_motion && self.snapshot.speed > 0.0).then(|| 1.0 / self.snapshot.speed);
+        let caption = Caption { show_time: true, slow_motion, text: String::new() };
+        let view = View { caption: Some(caption), ..self.look.view(1.0) };
+        Shot { camera: self.look.camera, view, size_px }
+    }
+
+    fn save(&mut self, kind: SaveKind) {
+        let Some(scene) = self.snapshot.scene.clone() else { return };
+        let frame = self.shown().clone();
+        let job = match kind {
+            SaveKind::Picture => Job::Picture(frame, Box::new(self.shot(false))),
+            SaveKind::Animation => {
+                let recording = &self.snapshot.recording;
+                let at = |time_s| recording.at(time_s).map(|moment| moment.frame.clone());
+                let frames = self.animation_times().into_iter().filter_map(at).collect();
+                Job::Animation(frames, Box::new(self.shot(true)))
+            }
+            SaveKind::Scene => {
+                let contact = self.snapshot.contact.clone().unwrap_or_default();
+                match saving::scene_text(&scene, &contact, &self.look, self.snapshot.speed) {
+                    Ok(text) => Job::Scene(text),
+                    Err(reason) => {
+                        self.trouble = Some(format!("The scene was not saved: {reason}"));
+                        return;
+                    }
+                }
+            }
+            SaveKind::Obj => Job::Obj(frame),
+            SaveKind::Ply => Job::Ply(frame),
+        };
+        if let Err(reason) = self.saver.start(job, &self.save.folder, &scene.name) {
+            self.trouble = Some(reason);
+        }
+    }
+
+    /// Tells how saving came out. A failure stays until it is closed.
+    fn look_after_saving(&mut self, context: &egui::Context) {
+        match self.saver.finished() {
+            Some(Ok(text)) => self.save.outcome = Some(text),
+            Some(Err(reason)) => {
+                self.save.outcome = None;
+                self.trouble = Some(format!("Not saved: {reason}"));
+            }
+            None => {}
+        }
+        if self.saver.progress().is_some() {
+            context.request_repaint_after(SAVING_LOOK);
+        }
+    }
+
     fn toggle_play(&mut self) {
         if self.player.is_back() {
             return self.look_back(|player, recording| player.toggle(recording));
@@ -307,6 +436,9 @@ impl App {
                 self.redraw_thumbnails();
             }
             Action::ToggleHelp => self.panels.help = !self.panels.help,
+            Action::Save(kind) => self.save(kind),
+            Action::CancelSaving => self.saver.cancel(),
+            Action::DismissNotice if self.trouble.is_some() => self.trouble = None,
             Action::DismissNotice => {
                 self.dismissed = self.snapshot.notice.as_ref().map_or(0, |notice| notice.number);
             }

@@ -23,6 +23,7 @@ mod pacing;
 mod pick;
 mod player;
 mod recording;
+mod saving;
 mod scene_camera;
 mod session;
 mod simulation;

@@ -97,8 +97,7 @@ fn with_friction(ui: &mut Ui, edit: &mut CriterionEdit) {
 fn formula(ui: &mut Ui, edit: &mut CriterionEdit) {
     let hint = "In s1, s2, s3, I1, J2, J3 with + - * / ^, sqrt, abs, min, max; stresses in Pa: 10*MPa";
     let text = TextEdit::singleline(&mut edit.formula).code_editor().desired_width(f32::INFINITY);
-    let response = ui.add(text).on_hover_text(hint);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Failure formula"));
+    ui.add(text).on_hover_text(hint);
     let Some(error) = edit.formula_error() else { return };
     let (_, color) = style::error_colors(ui.visuals().dark_mode);
     // The place as in the text above: the field has a margin of its own.

@@ -45,6 +45,8 @@ fn card(
 ) {
     let picture_height = width * 9.0 / 16.0;
     let (rect, response) = ui.allocate_exact_size(vec2(width, picture_height + TEXT_HEIGHT), Sense::click());
+    response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Open {}", scene.name)));
     let stroke = if response.hovered() {
         egui::Stroke::new(1.5, super::style::accent())
     } else {

@@ -1,6 +1,6 @@
 //! The panel at the right: what is shown, and the plots.
 
-use super::{Action, plots, widgets};
+use super::{Action, plots, save, widgets};
 use crate::frame::ColorBy;
 use crate::render::NamedView;
 use crate::viewer::app::App;
@@ -10,6 +10,7 @@ use egui::{ComboBox, Ui};
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     widgets::side_scroll().show(ui, |ui| {
         widgets::section(ui, "View", |ui| view(ui, app, actions));
+        widgets::section(ui, "Take it home", |ui| save::show(ui, app, actions));
         let history = app.snapshot.history.clone();
         widgets::section(ui, "Energy", |ui| plots::energies(ui, &history));
         widgets::section(ui, "Contact force", |ui| plots::contact_force(ui, &history));

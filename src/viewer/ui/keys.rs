@@ -2,10 +2,11 @@
 
 use super::Action;
 use crate::render::NamedView;
+use crate::viewer::app::SaveKind;
 use egui::{Context, Key, Modifiers};
 
 /// The keys with what they do, for the help.
-pub const KEYS: [(&str, &str); 13] = [
+pub const KEYS: [(&str, &str); 14] = [
     ("Space", "play or pause"),
     (".", "one step"),
     ("R", "back to the start, with the values on the sliders"),
@@ -15,6 +16,7 @@ pub const KEYS: [(&str, &str); 13] = [
     ("End", "back to the present"),
     ("T", "throw with the mouse, or turn the camera again"),
     ("Ctrl Z", "take the last throw or removal back"),
+    ("Ctrl S", "save the scene"),
     ("W", "edges of the elements"),
     ("G", "the scenes"),
     ("F1", "this help"),
@@ -36,6 +38,7 @@ pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Ve
     };
     if !is_gallery {
         on_with(Modifiers::COMMAND, Key::Z, Action::Undo);
+        on_with(Modifiers::COMMAND, Key::S, Action::Save(SaveKind::Scene));
     }
     let mut on = |key: Key, action: Action| on_with(Modifiers::NONE, key, action);
     on(Key::F1, Action::ToggleHelp);

@@ -11,6 +11,7 @@ pub mod keys;
 mod materials;
 mod parameters;
 mod plots;
+mod save;
 mod status;
 pub mod style;
 mod throw;
@@ -19,7 +20,7 @@ mod toolbar;
 mod viewport;
 mod widgets;
 
-use super::app::App;
+use super::app::{App, SaveKind};
 use super::thrown::Throw;
 use crate::render::NamedView;
 use egui::{Panel, Ui};
@@ -60,6 +61,10 @@ pub enum Action {
     ShowNow,
     /// Simulate on from the moment shown.
     PlayOnFromHere,
+    /// Write a file.
+    Save(SaveKind),
+    /// End the saving under way.
+    CancelSaving,
     /// Memory for the recording, bytes.
     SetMemoryLimit(usize),
     /// Contact was changed on a slider.

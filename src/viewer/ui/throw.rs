@@ -87,12 +87,12 @@ fn material_words(name: &str) -> &str {
 }
 
 fn drop_buttons(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+    ui.label("Or drop one from above");
     ui.columns_const(|columns: &mut [Ui; 3]| {
         for (ui, kind) in columns.iter_mut().zip(ThrowKind::SHAPES) {
             let size = [ui.available_width(), 28.0];
             let hint = format!("Drop a {} from above the middle", kind.label().to_lowercase());
-            let text = format!("Drop {}", kind.label().to_lowercase());
-            if ui.add_sized(size, Button::new(text).truncate()).on_hover_text(hint).clicked() {
+            if ui.add_sized(size, Button::new(kind.label())).on_hover_text(hint).clicked() {
                 actions.push(Action::Throw(app.aim.drop(kind)));
             }
         }

@@ -63,6 +63,7 @@ pub fn measured(value: f64, unit: &str) -> String {
 /// A value as people write it: kilograms and rates take no further prefix.
 fn with_its_unit(value: f64, unit: &str) -> String {
     match unit {
+        "" if value != 0.0 && value.abs() < 1e-3 => format!("{value:.1e}"),
         "" => short(value),
         "°" => format!("{}°", short(value)),
         _ if unit.starts_with("kg") || unit.starts_with("1/") => format!("{} {unit}", short(value)),

@@ -1,0 +1,369 @@
+//! Taking it home: pictures, animations, the scene, the fragments. All of it is done by a thread of its own, so that a slow disk never stops the window.
+
+use super::look::Look;
+use crate::export::gif::GifWriter;
+use crate::export::png::write_png;
+use crate::export::surface_mesh::{write_obj, write_ply};
+use crate::export::{ExportError, write_whole};
+use crate::frame::Frame;
+use crate::render::{Camera, Gpu, OffScreen, Picture, View};
+use crate::scene::{Scene, Shape};
+use crate::sim::{ContactMethod, ContactParameters};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Pictures from all over an animation from which its colours are learnt.
+const SAMPLES: usize = 5;
+/// Most pictures of an animation.
+pub const MOST_PICTURES: usize = 1000;
+/// Pictures a second of animations.
+pub const GIF_FPS: f64 = 25.0;
+
+/// From where and how pictures are taken.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    /// From where.
+    pub camera: Camera,
+    /// How.
+    pub view: View,
+    /// Width and height, pixels.
+    pub size_px: [u32; 2],
+}
+
+/// What is to be saved.
+pub enum Job {
+    /// The moment shown, as PNG.
+    Picture(Arc<Frame>, Box<Shot>),
+    /// Moments, as GIF.
+    Animation(Vec<Arc<Frame>>, Box<Shot>),
+    /// A scene's text.
+    Scene(String),
+    /// The fragments, as OBJ.
+    Obj(Arc<Frame>),
+    /// The same as PLY.
+    Ply(Arc<Frame>),
+}
+
+impl Job {
+    fn ending(&self) -> &'static str {
+        match self {
+            Self::Picture(..) => "png",
+            Self::Animation(..) => "gif",
+            Self::Scene(_) => "toml",
+            Self::Obj(_) => "obj",
+            Self::Ply(_) => "ply",
+        }
+    }
+
+    fn steps(&self) -> usize {
+        match self {
+            Self::Animation(frames, _) => frames.len(),
+            _ => 1,
+        }
+    }
+}
+
+/// How a job came out.
+pub type Outcome = Result<String, String>;
+
+/// A job under way.
+struct Running {
+    done: Arc<AtomicUsize>,
+    steps: usize,
+    wants_end: Arc<AtomicBool>,
+    outcome: Receiver<Outcome>,
+    what: PathBuf,
+}
+
+/// Saves one thing after another.
+#[derive(Default)]
+pub struct Saver {
+    running: Option<Running>,
+    studio: Studio,
+}
+
+/// The device for saving, opened with the first picture.
+#[derive(Clone, Default)]
+struct Studio(Arc<Mutex<Option<Gpu>>>);
+
+impl Studio {
+    fn open(&self) -> Result<OffScreen, String> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let gpu = match known.take() {
+            Some(gpu) => gpu,
+            None => Gpu::headless().map_err(|error| error.to_string())?,
+        };
+        let screen = OffScreen::new(&gpu).map_err(|error| error.to_string())?;
+        // A device that was lost is not kept, and the next picture opens a new one.
+        *known = Some(gpu);
+        Ok(screen)
+    }
+}
+
+impl Saver {
+    /// Starts a job that writes `folder/stem.ending`, with a number if there is such a file already.
+    ///
+    /// # Errors
+    /// When the system refuses the thread, or another job is under way.
+    pub fn start(&mut self, job: Job, folder: &str, stem: &str) -> Result<(), String> {
+        if self.running.is_some() {
+            return Err("something is being saved already".to_owned());
+        }
+        let path = free_path(Path::new(folder.trim()), stem, job.ending());
+        let (sender, outcome) = channel();
+        let done = Arc::new(AtomicUsize::new(0));
+        let wants_end = Arc::new(AtomicBool::new(false));
+        let steps = job.steps();
+        let progress =
+            Progress { done: done.clone(), wants_end: wants_end.clone(), studio: self.studio.clone() };
+        let target = path.clone();
+        let work = move || {
+            // The window may be gone already.
+            let _ = sender.send(save(&job, &target, &progress));
+        };
+        std::thread::Builder::new()
+            .name("saving".to_owned())
+            .spawn(work)
+            .map_err(|error| format!("nothing can be saved: {error}"))?;
+        self.running = Some(Running { done, steps, wants_end, outcome, what: path });
+        Ok(())
+    }
+
+    /// The path being written and the share that is done.
+    #[must_use]
+    pub fn progress(&self) -> Option<(&Path, f32)> {
+        let running = self.running.as_ref()?;
+        let done = running.done.load(Ordering::Relaxed);
+        Some((&running.what, done as f32 / running.steps.max(1) as f32))
+    }
+
+    /// Ends the job under way; what an animation has so far is kept.
+    pub fn cancel(&self) {
+        if let Some(running) = &self.running {
+            running.wants_end.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// How the job came out, once.
+    pub fn finished(&mut self) -> Option<Outcome> {
+        let outcome = match self.running.as_ref()?.outcome.try_recv() {
+            Ok(outcome) => outcome,
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => {
+                Err("saving stopped by a mistake in hammerfall; please report it".to_owned())
+            }
+        };
+        self.running = None;
+        Some(outcome)
+    }
+}
+
+struct Progress {
+    done: Arc<AtomicUsize>,
+    wants_end: Arc<AtomicBool>,
+    studio: Studio,
+}
+
+/// The first name that is not taken: nothing is ever written over.
+fn free_path(folder: &Path, stem: &str, ending: &str) -> PathBuf {
+    let folder = match folder.to_str().and_then(|text| text.strip_prefix("~/")) {
+        Some(rest) => std::env::home_dir().map_or_else(|| folder.to_owned(), |home| home.join(rest)),
+        None => folder.to_owned(),
+    };
+    let names = std::iter::once(format!("{stem}.{ending}"));
+    let mut names = names.chain((2_u32..).map(|number| format!("{stem}-{number}.{ending}")));
+    names.find(|name| !folder.join(name).exists()).map_or_else(|| folder.join(stem), |name| folder.join(name))
+}
+
+fn save(job: &Job, path: &Path, progress: &Progress) -> Outcome {
+    let words = |error: ExportError| error.to_string();
+    let shown = path.display();
+    match job {
+        Job::Picture(frame, shot) => {
+            let mut screen = progress.studio.open()?;
+            let picture = screen.render(shot.size_px, frame, &shot.camera, &shot.view);
+            let picture = picture.map_err(|error| error.to_string())?;
+            write_png(path, &picture).map_err(words)?;
+        }
+        Job::Animation(frames, shot) => return animation(frames, shot, path, progress),
+        Job::Scene(text) => write_whole(path, text.as_bytes()).map_err(words)?,
+        Job::Obj(frame) => write_obj(path, frame).map_err(words)?,
+        Job::Ply(frame) => write_ply(path, frame).map_err(words)?,
+    }
+    Ok(format!("saved {shown}"))
+}
+
+fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progress) -> Outcome {
+    let mut screen = progress.studio.open()?;
+    let mut draw = |frame: &Frame| {
+        screen.render(shot.size_px, frame, &shot.camera, &shot.view).map_err(|error| error.to_string())
+    };
+    let samples = frames.iter().step_by(frames.len().div_ceil(SAMPLES).max(1)).map(|frame| draw(frame));
+    let samples: Vec<Picture> = samples.collect::<Result<_, _>>()?;
+    let words = |error: ExportError| error.to_string();
+    let samples: Vec<&Picture> = samples.iter().collect();
+    let mut writer = GifWriter::create(path, shot.size_px, GIF_FPS, &samples).map_err(words)?;
+    for (index, frame) in frames.iter().enumerate() {
+        if progress.wants_end.load(Ordering::Relaxed) {
+            writer.finish().map_err(words)?;
+            if index == 0 {
+                // Without a picture there is nothing to keep.
+                let _ = std::fs::remove_file(path);
+                return Ok("stopped before the first picture".to_owned());
+            }
+            return Ok(format!("stopped: {} keeps the first {index} pictures", path.display()));
+        }
+        let kept = |error: String| match index {
+            0 => error,
+            _ => format!("{error}; the first {index} pictures are in {}", path.display()),
+        };
+        let picture = draw(frame).map_err(kept)?;
+        writer.push(&picture).map_err(words).map_err(kept)?;
+        progress.done.store(index + 1, Ordering::Relaxed);
+    }
+    writer.finish().map_err(words)?;
+    Ok(format!("saved {} with {} pictures", path.display(), frames.len()))
+}
+
+/// The text of a scene that gives again what is seen: bodies thrown in and taken out, contact as on the sliders,
+/// camera, speed and colours.
+///
+/// # Errors
+/// What does not go into a scene.
+pub fn scene_text(
+    scene: &Scene,
+    contact: &ContactParameters,
+    look: &Look,
+    speed: f64,
+) -> Result<String, String> {
+    let taken = |name: &String| scene.description.cameras.iter().any(|camera| camera.name == *name);
+    let mut names = std::iter::once("saved".to_owned()).chain((2..).map(|n| format!("saved-{n}")));
+    let name = names.find(|name| !taken(name)).unwrap_or_default();
+    let camera = look.camera;
+    let [x, y, z] = camera.target_m.to_array().map(f64::from);
+    let text = format!(
+        "[cameras.{name}]\ntarget = [{x:?}, {y:?}, {z:?}]\nyaw = {:?}\npitch = {:?}\ndistance = {:?}\nfield_of_view = {:?}\n",
+        f64::from(camera.yaw_rad).to_degrees(),
+        f64::from(camera.pitch_rad).to_degrees().clamp(-89.0, 89.0),
+        f64::from(camera.distance_m),
+        f64::from(camera.fov_y_rad).to_degrees(),
+    );
+    let scene = scene.with_text(&text).map_err(|error| error.to_string())?;
+    let mut overrides = vec![
+        format!("recording.camera={name:?}"),
+        format!("recording.slow_motion={:?}", 1.0 / speed.clamp(1e-9, 1.0)),
+        format!("recording.color_by={}", look.color_by.name()),
+    ];
+    overrides.extend(contact_overrides(contact, &scene));
+    overrides.extend(whole_paths(&scene));
+    let scene = scene.with_overrides(&overrides).map_err(|error| error.to_string())?;
+    Ok(scene.to_toml())
+}
+
+/// What contact on the sliders has other than the scene; friction of single pairs has no place of its own there.
+fn contact_overrides(now: &ContactParameters, scene: &Scene) -> Vec<String> {
+    let then = &scene.setup.contact;
+    let mut overrides = Vec::new();
+    if now.friction_coefficient != then.friction_coefficient {
+        overrides.push(format!("contact.friction={:?}", now.friction_coefficient));
+    }
+    if now.self_collision != then.self_collision {
+        overrides.push(format!("contact.self_collision={}", now.self_collision));
+    }
+    if let Some(speed) = now.rest_speed_m_s.filter(|_| now.rest_speed_m_s != then.rest_speed_m_s) {
+        overrides.push(format!("contact.rest_speed={speed:?}"));
+    }
+    if now.method != then.method {
+        match now.method {
+            ContactMethod::Lagrange { passes, tolerance, conserve_impact_energy } => {
+                let impact = if conserve_impact_energy { "elastic" } else { "plastic" };
+                overrides.push("contact.method=lagrange".to_owned());
+                overrides.push(format!("contact.passes={passes}"));
+                overrides.push(format!("contact.tolerance={tolerance:?}"));
+                overrides.push(format!("contact.impact={impact}"));
+            }
+            ContactMethod::Penalty { stiffness_n_m } => {
+                overrides.push(format!("contact.penalty_stiffness={stiffness_n_m:?}"));
+                overrides.push("contact.method=penalty".to_owned());
+            }
+        }
+    }
+    let ground = |contact: &ContactParameters| {
+        let pair =
+            contact.pair_friction.iter().find(|pair| pair.bodies.contains(&super::session::GROUND_BODY));
+        pair.map(|pair| pair.friction_coefficient)
+    };
+    let has_own =
+        scene.description.ground.as_ref().is_some_and(|ground| ground.friction_coefficient.is_some());
+    if let Some(friction) = ground(now).filter(|friction| has_own && Some(*friction) != ground(then)) {
+        overrides.push(format!("ground.friction={friction:?}"));
+    }
+    overrides
+}
+
+/// Mesh files are found again wherever the scene is saved.
+fn whole_paths(scene: &Scene) -> Vec<String> {
+    let bodies = scene.description.bodies.iter().enumerate();
+    let files = bodies.filter_map(|(index, body)| {
+        let Shape::File(file) = &body.shape else { return None };
+        let path = std::path::absolute(scene.folder().join(&file.file)).ok()?;
+        Some(format!("bodies[{index}].mesh.file={:?}", path.to_string_lossy()))
+    });
+    files.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_saved_scene_has_contact_camera_and_colours_of_the_window() {
+        for name in ["brick-pile", "hammer-table", "rods-collision"] {
+            let scene = Scene::load(name, &[]).unwrap();
+            let mut contact = scene.setup.contact.clone();
+            contact.friction_coefficient = 0.77;
+            contact.method =
+                ContactMethod::Lagrange { passes: 7, tolerance: 1e-5, conserve_impact_energy: false };
+            let mut look = Look::default();
+            look.color_by = crate::frame::ColorBy::VonMises;
+            look.camera.distance_m = 7.5;
+            let text = scene_text(&scene, &contact, &look, 0.01).unwrap();
+            let saved = Scene::from_text("saved", &text, scene.folder(), &[]).unwrap();
+            assert_eq!(saved.setup.contact, contact, "{name}");
+            assert_eq!(saved.setup.bodies, scene.setup.bodies);
+            assert_eq!(saved.description.recording.color_by, look.color_by);
+            let camera = saved.description.cameras.iter().find(|camera| camera.name == "saved").unwrap();
+            let framing = crate::render::Framing::default();
+            let camera = super::super::scene_camera(camera, &framing, 1.5);
+            assert!(
+                (camera.distance_m - 7.5).abs() < 1e-5 && (camera.yaw_rad - look.camera.yaw_rad).abs() < 1e-5
+            );
+            // And once more from there.
+            scene_text(&saved, &contact, &look, 0.01).unwrap();
+        }
+    }
+
+    #[test]
+    fn saving_never_writes_over_a_file_and_tells_what_the_disk_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().to_str().unwrap();
+        let mut saver = Saver::default();
+        let mut save = |folder: &str| {
+            saver.start(Job::Scene("title = \"x\"".to_owned()), folder, "mine").unwrap();
+            loop {
+                if let Some(outcome) = saver.finished() {
+                    return outcome;
+                }
+                std::thread::sleep(std::time::Duration::from_millis(2));
+            }
+        };
+        assert!(save(place).unwrap().ends_with("mine.toml"));
+        assert!(save(place).unwrap().ends_with("mine-2.toml"));
+        let nowhere = format!("{place}/nowhere");
+        assert!(save(&nowhere).unwrap_err().contains("does not exist"), "no folder");
+        #[cfg(target_os = "linux")]
+        assert!(save("/dev/full").is_err() && save("/proc").is_err());
+    }
+}

@@ -1,0 +1,77 @@
+//! Taking it home.
+
+use super::Action;
+use super::widgets::measured;
+use crate::viewer::app::{App, SaveKind};
+use egui::{Button, DragValue, ProgressBar, RichText, TextEdit, Ui};
+
+/// Shows the section.
+pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        ui.label("Into");
+        let folder = TextEdit::singleline(&mut app.save.folder).desired_width(f32::INFINITY);
+        ui.add(folder).on_hover_text("Folder; files that are there are never written over");
+    });
+    if let Some((path, share)) = app.saver.progress() {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        ui.add(ProgressBar::new(share).text(name));
+        if ui.button("Cancel").clicked() {
+            actions.push(Action::CancelSaving);
+        }
+        return;
+    }
+    buttons(ui, actions);
+    animation(ui, app, actions);
+    if let Some(outcome) = &app.save.outcome {
+        ui.label(RichText::new(outcome).small().weak());
+    }
+}
+
+fn buttons(ui: &mut Ui, actions: &mut Vec<Action>) {
+    const BUTTONS: [(SaveKind, &str, &str); 4] = [
+        (SaveKind::Picture, "Picture", "The moment shown, as PNG"),
+        (SaveKind::Scene, "Scene", "As TOML: thrown bodies, sliders, camera and all (Ctrl S)"),
+        (SaveKind::Obj, "OBJ", "The fragments of the moment shown as objects, for Blender and others"),
+        (SaveKind::Ply, "PLY", "The same, with body, fragment and crack at every triangle"),
+    ];
+    ui.columns_const(|columns: &mut [Ui; 4]| {
+        for (ui, (kind, text, hint)) in columns.iter_mut().zip(BUTTONS) {
+            ui.spacing_mut().button_padding.x = 2.0;
+            let size = [ui.available_width(), 26.0];
+            if ui.add_sized(size, Button::new(text)).on_hover_text(hint).clicked() {
+                actions.push(Action::Save(kind));
+            }
+        }
+    });
+}
+
+/// The range of the animation, and what it would come to.
+fn animation(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    let end_s = app.snapshot.recording.moments().last().map_or(0.0, |moment| moment.time_s);
+    let [from_s, to_s] = app.save.range(end_s);
+    let mut shares = [from_s, to_s].map(|time_s| 100.0 * time_s / end_s.max(1e-12));
+    ui.horizontal(|ui| {
+        let hint = "Part of the timeline, in percent of what is recorded";
+        let mut is_changed = false;
+        for (share, prefix) in shares.iter_mut().zip(["from ", "to "]) {
+            let value = DragValue::new(share).range(0.0..=100.0).speed(0.5).prefix(prefix).suffix(" %");
+            is_changed |= ui.add(value.max_decimals(1)).on_hover_text(hint).changed();
+        }
+        if is_changed {
+            app.save.shares = Some([shares[0].min(shares[1]), shares[1].max(shares[0])]);
+        }
+        let size = [ui.available_width(), 26.0];
+        ui.add_enabled_ui(end_s > 0.0, |ui| {
+            if ui
+                .add_sized(size, Button::new("GIF"))
+                .on_hover_text("The range as an animation, at the speed on the slider")
+                .clicked()
+            {
+                actions.push(Action::Save(SaveKind::Animation));
+            }
+        });
+    });
+    let pictures = app.animation_times().len();
+    let text = format!("{pictures} pictures of {} to {}", measured(from_s, "s"), measured(to_s, "s"));
+    ui.label(RichText::new(text).small().weak());
+}
