@@ -8,7 +8,7 @@
 //!
 //! Imports point one way: [`math`], [`mesh`]; then [`fem`], [`contact`] and [`fracture`], which do not
 //! know each other; then [`sim`], [`scene`]; [`frame`] is the seam that `sim` writes and [`render`] reads;
-//! [`export`], [`viewer`] and [`cli`] stand on top. A test checks these arrows.
+//! [`verify`] compares with known answers; [`export`], [`viewer`] and [`cli`] stand on top. A test checks these arrows.
 
 pub mod cli;
 pub mod contact;
@@ -22,4 +22,5 @@ pub mod mesh;
 pub mod render;
 pub mod scene;
 pub mod sim;
+pub mod verify;
 pub mod viewer;

@@ -18,6 +18,7 @@ mod scene_source;
 mod scenes;
 mod shot;
 mod stepping;
+mod verify;
 mod view;
 
 use args::{CommonArgs, NoArgs, WithCommon};
@@ -37,6 +38,7 @@ Examples:
   hammerfall run hammer-table -o data --vtu     make data: history.csv, summary.json, ParaView files
   hammerfall check my_scene.toml                is it sound, and what would it cost?
   hammerfall criteria -o criteria.png           draw failure criteria
+  hammerfall verify --quick                     how far is each answer from the truth?
 
 SCENE is the name of a built-in scene (see `hammerfall scenes`) or the path of a scene file.
 Times are in seconds; 10ms and 250us are understood too.
@@ -68,6 +70,8 @@ enum Command {
     Check(WithCommon<check::CheckArgs>),
     /// Draw the failure surfaces of a scene's materials, of the standard criteria or of a formula
     Criteria(WithCommon<criteria::CriteriaArgs>),
+    /// Compare with known answers: value, reference, error, bound, and whether it falls short
+    Verify(WithCommon<verify::VerifyArgs>),
 }
 
 impl Command {
@@ -79,6 +83,7 @@ impl Command {
             Self::Scenes(with) => &with.common,
             Self::Check(with) => &with.common,
             Self::Criteria(with) => &with.common,
+            Self::Verify(with) => &with.common,
         }
     }
 }
@@ -122,6 +127,7 @@ fn run_command(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Scenes(_)) => scenes::run(&console),
         Some(Command::Check(with)) => check::run(&with.args, &common, &console),
         Some(Command::Criteria(with)) => criteria::run(&with.args, &common, &console),
+        Some(Command::Verify(with)) => verify::run(&with.args, &common, &console),
     }
 }
 

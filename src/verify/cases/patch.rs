@@ -1,0 +1,104 @@
+//! Patch test: an affine motion of an irregular mesh gives one stress everywhere and no force on inner nodes
+//! (B. M. Irons, A. Razzaque, 1972; O. C. Zienkiewicz, R. L. Taylor, *The Finite Element Method*, volume 1).
+
+use super::super::specimen::box_mesh;
+use super::super::{CaseError, Effort, Outcome, Quantity};
+use crate::fem::{ElasticConstants, ElementBatches, ElementKinematics, ForceScratch};
+use crate::math::rotation_from_vector;
+use crate::mesh::TetMesh;
+use glam::{DMat3, DVec3};
+
+const YOUNG_PA: f64 = 206.82e9;
+const POISSON: f64 = 0.3;
+const CELLS: [u32; 3] = [5, 4, 6];
+/// Inner nodes are moved by up to this share of a cell.
+const JITTER: f64 = 0.2;
+
+/// Round-off of some ten operations a component, times the condition of the distorted elements.
+const ROUND_OFF: f64 = 1e-12;
+
+pub(in crate::verify) fn measure(_: &Effort) -> Result<Outcome, CaseError> {
+    let mesh = irregular_cube()?;
+    let [lambda_pa, mu_pa] = lame_pa(YOUNG_PA, POISSON);
+    let constants = ElasticConstants { lambda_pa, mu_pa, density_kg_m3: 7844.0 };
+    let elements = ElementBatches::new(&mesh.nodes_m, &mesh.tets, &vec![constants; mesh.tets.len()])
+        .map_err(|error| CaseError::Unmeasured(error.to_string()))?;
+    let rotation = DMat3::from_quat(rotation_from_vector(DVec3::new(0.5, -1.2, 0.8)));
+    let f = DMat3::from_cols_array(&[1.02, 0.01, -0.02, 0.03, 0.97, 0.01, 0.0, -0.01, 1.01]);
+    let hooke = |strain: DMat3| {
+        let trace = strain.x_axis.x + strain.y_axis.y + strain.z_axis.z;
+        DMat3::IDENTITY * (lambda_pa * trace) + strain * (2.0 * mu_pa)
+    };
+    // Cauchy stress of Hooke's law in Green-Lagrange strain, and of the linear law in a turned frame.
+    let green =
+        f * hooke((f.transpose() * f - DMat3::IDENTITY) * 0.5) * f.transpose() * f.determinant().recip();
+    let linear = rotation * hooke((f + f.transpose()) * 0.5 - DMat3::IDENTITY) * rotation.transpose();
+    let mut quantities = Vec::new();
+    for (name, kinematics, expected, turn) in [
+        ("green", ElementKinematics::Green, rotation * green * rotation.transpose(), rotation),
+        ("body-frame", ElementKinematics::BodyFrame { rotation }, linear, rotation),
+    ] {
+        let moved: Vec<DVec3> = mesh.nodes_m.iter().map(|x| turn * (f * *x)).collect();
+        let stresses = elements.cauchy_stresses_pa(&moved, kinematics);
+        let worst = stresses.iter().map(|s| largest_entry(*s - expected)).fold(0.0, f64::max);
+        quantities.push(
+            Quantity::absolute(
+                format!("{name}: stress error / largest stress"),
+                "",
+                worst / largest_entry(expected),
+                0.0,
+            )
+            .by("sigma = F S F^T / J with S = lambda tr(E) I + 2 mu E (METHOD 1)")
+            .within(ROUND_OFF, "round-off: the elements hold a uniform strain exactly"),
+        );
+        let mut forces_n = vec![DVec3::ZERO; moved.len()];
+        elements.forces(&mut ForceScratch::default(), &moved, kinematics, &mut forces_n);
+        let (inner, outer) = inner_and_outer(&mesh, &forces_n);
+        quantities.push(
+            Quantity::absolute(
+                format!("{name}: force on inner nodes / on outer ones"),
+                "",
+                inner / outer,
+                0.0,
+            )
+            .by("equilibrium of a uniform stress: div sigma = 0")
+            .within(ROUND_OFF, "round-off"),
+        );
+    }
+    Ok(quantities.into())
+}
+
+/// Lame's constants, Pa: `lambda = E nu/((1 + nu)(1 - 2 nu))`, `mu = E/(2(1 + nu))`.
+pub(in crate::verify) fn lame_pa(youngs_modulus_pa: f64, nu: f64) -> [f64; 2] {
+    [youngs_modulus_pa * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), youngs_modulus_pa / (2.0 * (1.0 + nu))]
+}
+
+/// A unit cube whose inner nodes are moved about, always in the same way.
+fn irregular_cube() -> Result<TetMesh, CaseError> {
+    let mut mesh = box_mesh(DVec3::ONE, CELLS, DVec3::splat(0.5))?;
+    let cell_m = DVec3::from_array(CELLS.map(|n| 1.0 / f64::from(n)));
+    for (index, x) in mesh.nodes_m.iter_mut().enumerate() {
+        if is_inner(*x) {
+            // Irrational multiples fill the cube evenly.
+            let i = index as f64;
+            let spread = DVec3::new(i * 0.754_877, i * 0.569_840, i * 0.430_159).fract() * 2.0 - 1.0;
+            *x += spread * cell_m * JITTER;
+        }
+    }
+    Ok(mesh)
+}
+
+fn is_inner(x_m: DVec3) -> bool {
+    x_m.min_element() > 1e-9 && x_m.max_element() < 1.0 - 1e-9
+}
+
+/// Largest force on a node inside and on the surface, N.
+fn inner_and_outer(mesh: &TetMesh, forces_n: &[DVec3]) -> (f64, f64) {
+    mesh.nodes_m.iter().zip(forces_n).fold((0.0, 0.0), |(inner, outer), (x, force_n)| {
+        if is_inner(*x) { (force_n.length().max(inner), outer) } else { (inner, force_n.length().max(outer)) }
+    })
+}
+
+fn largest_entry(m: DMat3) -> f64 {
+    m.to_cols_array().into_iter().fold(0.0, |most, entry| entry.abs().max(most))
+}
