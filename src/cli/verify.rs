@@ -4,10 +4,12 @@ use super::args::CommonArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::interrupt;
+use crate::export::{create_folder, write_whole};
 use crate::verify::report::{self, CaseReport};
 use crate::verify::{CASES, Case, CaseError, Effort, find};
 use clap::Args;
 use rayon::prelude::*;
+use std::path::PathBuf;
 use std::sync::mpsc;
 use std::time::Instant;
 
@@ -26,6 +28,9 @@ pub struct VerifyArgs {
     /// Print one Markdown table
     #[arg(long)]
     pub markdown: bool,
+    /// Write report.html with its plots, and the same as CSV, into a folder
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
 }
 
 /// Runs the cases and prints what they found.
@@ -39,6 +44,9 @@ pub fn run(args: &VerifyArgs, common: &CommonArgs, console: &Console) -> Result<
         )));
     }
     let cases = chosen(args)?;
+    if let Some(folder) = &args.report {
+        create_folder(folder).map_err(|error| Failure::from(error).before_the_run())?;
+    }
     interrupt::listen()?;
     let started = Instant::now();
     let is_table = !(args.json || args.markdown);
@@ -54,6 +62,12 @@ pub fn run(args: &VerifyArgs, common: &CommonArgs, console: &Console) -> Result<
         console.result(format_args!("{:#}", report::to_json(&reports, args.quick)))?;
     } else if args.markdown {
         console.result(report::markdown(&reports).trim_end())?;
+    }
+    if let Some(folder) = &args.report {
+        for (name, content) in report::files(&reports, args.quick) {
+            write_whole(&folder.join(name), content.as_bytes())?;
+        }
+        console.note(format_args!("`{}` is written", folder.join(report::PAGE_FILE).display()));
     }
     let [pass, short, shown] = report::counts(&reports);
     console.note(format_args!(

@@ -437,6 +437,8 @@ pub(in crate::verify) fn measure_oblique(effort: &Effort) -> Result<Outcome, Cas
             Quantity::absolute(format!("{name}, free: largest error of the energy balance / initial"), "", free.balance_error, 0.0)
                 .by("kinetic + strain + dissipated is constant (METHOD 9)")
                 .within(0.01, "as in the head-on collision"),
+            Quantity::absolute(format!("{name}, guided: largest error of the energy balance / initial"), "", guided.balance_error, 0.0)
+                .by("kinetic + strain + dissipated = work of the guides (METHOD 9)"),
             Quantity::relative(format!("{name}, guided: friction's energy"), "J", guided.dissipated_j, guided.expected_j)
                 .by("mu J_n times the speed of sliding")
                 .within(0.01, "as the energy of the head-on collision"),

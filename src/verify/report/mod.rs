@@ -1,8 +1,13 @@
 //! What the cases found, as text, JSON, CSV and one HTML page.
 
+mod csv;
+mod html;
 mod json;
+mod svg;
 mod text;
 
+pub use csv::csv_files;
+pub use html::html;
 pub use json::to_json;
 pub use text::{markdown, table};
 
@@ -44,6 +49,16 @@ pub fn counts(reports: &[CaseReport]) -> [usize; 3] {
 #[must_use]
 pub fn known_cases() -> String {
     CASES.iter().map(|case| case.id).collect::<Vec<_>>().join(", ")
+}
+
+/// Name of the page among the files of a report.
+pub const PAGE_FILE: &str = "report.html";
+
+/// All files of a report with their content: the page, and the same as CSV.
+#[must_use]
+pub fn files(reports: &[CaseReport], is_quick: bool) -> Vec<(String, String)> {
+    let page = (PAGE_FILE.to_owned(), html(reports, is_quick));
+    std::iter::once(page).chain(csv_files(reports)).collect()
 }
 
 /// A number for people: five digits, in plain notation where that is short.

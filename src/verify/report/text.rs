@@ -4,9 +4,9 @@ use super::{CaseReport, deviation, with_unit};
 use crate::verify::Quantity;
 use std::fmt::Write as _;
 
-const HEADINGS: [&str; 6] = ["quantity", "ours", "reference", "error", "bound", ""];
+pub(super) const HEADINGS: [&str; 6] = ["quantity", "ours", "reference", "error", "bound", ""];
 
-fn cells(quantity: &Quantity) -> [String; 6] {
+pub(super) fn cells(quantity: &Quantity) -> [String; 6] {
     [
         quantity.name.clone(),
         with_unit(quantity.value, quantity.unit),
@@ -55,12 +55,7 @@ pub fn markdown(reports: &[CaseReport]) -> String {
     );
     for report in reports {
         for quantity in report.quantities() {
-            let _ = writeln!(
-                text,
-                "| `{}` | {} |",
-                report.case.id,
-                cells(quantity).join(" | ").replace("|v", "v")
-            );
+            let _ = writeln!(text, "| `{}` | {} |", report.case.id, cells(quantity).join(" | "));
         }
         if let Err(reason) = &report.outcome {
             let _ = writeln!(
