@@ -11,13 +11,25 @@ pub enum CaseError {
     Stopped,
     /// A world could not be built or stepped.
     #[error("{0}")]
-    Sim(#[from] SimError),
+    Sim(Box<SimError>),
     /// A scene could not be loaded.
     #[error("{0}")]
-    Scene(#[from] SceneError),
+    Scene(Box<SceneError>),
     /// Anything else that keeps a case from being measured.
     #[error("{0}")]
     Unmeasured(String),
+}
+
+impl From<SimError> for CaseError {
+    fn from(error: SimError) -> Self {
+        Self::Sim(Box::new(error))
+    }
+}
+
+impl From<SceneError> for CaseError {
+    fn from(error: SceneError) -> Self {
+        Self::Scene(Box::new(error))
+    }
 }
 
 /// How much a case may do, and when it has to stop.

@@ -93,11 +93,20 @@ pub fn theory_velocities_m_s() -> [f64; 2] {
 /// # Errors
 /// [`CaseError`] when there are no such meshes.
 pub fn setup(cells: [[u32; 3]; 2], kinematics: Kinematics, cfl: f64) -> Result<WorldSetup, CaseError> {
+    setup_of(HEIGHTS_M, cells, kinematics, cfl)
+}
+
+fn setup_of(
+    heights_m: [f64; 2],
+    cells: [[u32; 3]; 2],
+    kinematics: Kinematics,
+    cfl: f64,
+) -> Result<WorldSetup, CaseError> {
     let mut bodies = Vec::new();
     for i in 0..2 {
         let side = [-1.0, 1.0][i];
         let centre = DVec3::X * side * 0.5 * (LENGTH_M + GAP_M);
-        let mesh = box_mesh(DVec3::new(LENGTH_M, WIDTH_M, HEIGHTS_M[i]), cells[i], centre)?;
+        let mesh = box_mesh(DVec3::new(LENGTH_M, WIDTH_M, heights_m[i]), cells[i], centre)?;
         let mut rod = body(["left", "right"][i], mesh, material(DENSITY, YOUNG_PA, 0.0));
         rod.velocity_m_s = DVec3::X * -side * SPEED_M_S;
         rod.motion = BodyMotion::Deformable(kinematics);
@@ -371,43 +380,50 @@ pub(in crate::verify) fn measure_fine(effort: &Effort) -> Result<Outcome, CaseEr
     Ok(Outcome { quantities: all, plots: vec![plot] })
 }
 
-/// Length of the collision over meshes, each twice as fine as the one before.
+/// Length of the collision over meshes, each twice as fine as the one before. The rods of the thesis differ in height, so
+/// that beside their ends the stress is not one-dimensional; equal ones tend to wave theory.
 pub(in crate::verify) fn measure_refinement(effort: &Effort) -> Result<Outcome, CaseError> {
-    let cells: &[u32] = if effort.quick { &[5, 10, 20] } else { &[5, 10, 20, 40, 80] };
-    let (mut lengths, mut tails) = (Vec::new(), Vec::new());
+    let cells: &[u32] = if effort.quick { &[5, 10, 20, 40] } else { &[5, 10, 20, 40, 80] };
     let mut all = Vec::new();
-    for &along in cells {
-        let found = collide(effort, setup([[along, 1, 1], [along, 1, 1]], Kinematics::Green, CFL)?)?;
-        all.push(
-            Quantity::relative(
-                format!("{along} along: length of the collision"),
-                "s",
-                found.length_s,
-                theory_length_s(),
-            )
-            .by(THEORY_LENGTH)
-            .within(
-                if along >= 10 { 0.0227 } else { 0.05 },
-                "the thesis's own error with ten elements along",
-            ),
-        );
-        lengths.push([f64::from(along), (found.length_s / theory_length_s() - 1.0).abs()]);
-        tails.push([f64::from(along), (found.last_impulse_s / theory_length_s() - 1.0).abs()]);
-    }
-    // The front of a wave in a row of lumped masses spreads over h (x/h)^(1/3): an error of order 2/3.
-    all.push(
-        Quantity::absolute("time from the first impulse to the last, observed order", "", slope(&tails), 2.0 / 3.0)
-            .by("a front in a row of masses widens as h^(2/3) (Airy's front; L. Brillouin, Wave Propagation in Periodic Structures, 1946)")
-            .within(0.25, "a last impulse comes at the end of a step, and the end of the wave is ragged"),
-    );
-    let plot = Plot::new(
+    let mut plot = Plot::new(
         "rods-refinement",
         "Length of the collision under refinement",
         ["elements along each rod", "relative error"],
     )
-    .scaled([Scale::Log, Scale::Log])
-    .with("rectangular pulse", lengths)
-    .with("first to last impulse", tails);
+    .scaled([Scale::Log, Scale::Log]);
+    for (name, heights_m) in [("equal", [HEIGHTS_M[0]; 2]), ("thesis", HEIGHTS_M)] {
+        let (mut lengths, mut tails) = (Vec::new(), Vec::new());
+        for &along in cells {
+            let setup = setup_of(heights_m, [[along, 1, 1]; 2], Kinematics::Green, CFL)?;
+            let found = collide(effort, setup)?;
+            all.push(
+                Quantity::relative(
+                    format!("{name}, {along} along: length of the collision"),
+                    "s",
+                    found.length_s,
+                    theory_length_s(),
+                )
+                .by(THEORY_LENGTH)
+                .within(
+                    if along >= 10 { 0.0227 } else { 0.05 },
+                    "the thesis's own error with ten elements along; half of them may be twice as far off",
+                ),
+            );
+            lengths.push([f64::from(along), (found.length_s / theory_length_s() - 1.0).abs()]);
+            tails.push([f64::from(along), (found.last_impulse_s / theory_length_s() - 1.0).abs()]);
+        }
+        let order = Quantity::absolute(format!("{name}: time from the first impulse to the last, observed order"), "", slope(&tails), 2.0 / 3.0)
+            .by("a front in a row of masses widens as h^(2/3) (Airy; L. Brillouin, Wave Propagation in Periodic Structures, 1946)");
+        // Beside ends of different height the error has a part that does not become smaller.
+        all.push(if name == "equal" {
+            order.within(0.25, "a last impulse comes at the end of a step, and the end of the wave is ragged")
+        } else {
+            order
+        });
+        plot = plot
+            .with(format!("{name}, rectangular pulse"), lengths)
+            .with(format!("{name}, first to last impulse"), tails);
+    }
     Ok(Outcome { quantities: all, plots: vec![plot] })
 }
 

@@ -31,7 +31,7 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
         effort.run(&mut world, scene.description.duration_s, |world, report| {
             let s = world.sample();
             error_j = error_j.max((s.balance_j() - start.balance_j()).abs());
-            most_j = most_j.max(s.kinetic_j).max(s.external_work_j);
+            most_j = most_j.max(s.kinetic_j).max(s.external_work_j).max(s.potential_j.abs());
             let energies = [s.kinetic_j, s.strain_j, s.potential_j, s.dissipated_j, s.balance_j()];
             curves.iter_mut().zip(energies).for_each(|(curve, j)| curve.push([report.time_s, j]));
         })?;
