@@ -6,4 +6,4 @@ mod fracture;
 mod fracture_theory;
 mod rest;
 mod rods;
-mod spin;
+mod verify;

@@ -53,6 +53,20 @@ pub(in crate::verify) fn measure(_: &Effort) -> Result<Outcome, CaseError> {
         );
         let mut forces_n = vec![DVec3::ZERO; moved.len()];
         elements.forces(&mut ForceScratch::default(), &moved, kinematics, &mut forces_n);
+        // Mean stress by the forces: -sum f X^T = V P, and P F^T = J sigma.
+        let virial_j = mesh.nodes_m.iter().zip(&forces_n).map(|(x, f)| outer_product(*f, *x)).sum::<DMat3>();
+        let stretch = turn * f;
+        let linear_piola = expected * turn;
+        let first_piola = match kinematics {
+            ElementKinematics::Green => expected * stretch.inverse().transpose() * f.determinant(),
+            ElementKinematics::BodyFrame { .. } => linear_piola,
+        };
+        let error_pa = largest_entry(virial_j * -1.0 - first_piola) / largest_entry(first_piola);
+        quantities.push(
+            Quantity::absolute(format!("{name}: stress that the nodal forces stand for"), "", error_pa, 0.0)
+                .by("-sum f X^T = V P, P = F S, of a unit cube (virial theorem)")
+                .within(ROUND_OFF, "round-off"),
+        );
         let (inner, outer) = inner_and_outer(&mesh, &forces_n);
         quantities.push(
             Quantity::absolute(
@@ -90,6 +104,11 @@ fn irregular_cube() -> Result<TetMesh, CaseError> {
 
 fn is_inner(x_m: DVec3) -> bool {
     x_m.min_element() > 1e-9 && x_m.max_element() < 1.0 - 1e-9
+}
+
+/// `a b^T`.
+fn outer_product(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 /// Largest force on a node inside and on the surface, N.

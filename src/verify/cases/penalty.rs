@@ -13,9 +13,9 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
             .by("no penetration (METHOD 5)")
             .within(1e-3, "what passes leave, a thousandth of an element"),
         length("Lagrange", &ours).within(0.0227, "the thesis's own error"),
-        step("Lagrange", &ours, &ours)
+        Quantity::relative("Lagrange: shortest step in contact / stable step", "", ours.contact_step, 1.0)
             .by("contact does not reduce the stable step (METHOD 5)")
-            .within(0.0, "the reference is this very run"),
+            .within(0.01, "large strain of the bodies themselves shortens it by some thousandths"),
     ];
     let mut deeper = f64::INFINITY;
     let mut curves: [Vec<[f64; 2]>; 3] = Default::default();
@@ -29,15 +29,20 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
             Quantity::relative(format!("{name}: peak force / Lagrange's"), "", found.peak_n, ours.peak_n)
                 .by("our own run with multipliers"),
         );
-        all.push(
-            Quantity::absolute(
-                format!("{name}: largest energy error / initial"),
-                "",
-                found.energy_error,
-                0.0,
-            )
-            .by("conservation of energy"),
-        );
+        let energy = Quantity::absolute(
+            format!("{name}: largest energy error / initial"),
+            "",
+            found.energy_error,
+            0.0,
+        )
+        .by("conservation of energy");
+        // Soft springs take a large part of the energy, and what they hold counts as of the start of a step.
+        let is_stiffest = Some(exponent) == exponents.last();
+        all.push(if is_stiffest {
+            energy.within(0.0367, "the thesis's own error of its rods")
+        } else {
+            energy
+        });
         let values = [
             found.penetration,
             (found.length_s / rods::theory_length_s() - 1.0).abs(),

@@ -53,6 +53,8 @@ pub struct Collision {
     pub penetration: f64,
     /// Largest contact force, N, as a mean over a tenth of the collision: nodes that meet make shorter blows.
     pub peak_n: f64,
+    /// Shortest step in contact over the share of the stable step that the setup asks for.
+    pub contact_step: f64,
     /// Steps taken.
     pub steps: u64,
     /// Contact force over time, (s, N).
@@ -122,7 +124,10 @@ fn setup_of(
 /// # Errors
 /// [`CaseError`] when they never touch, or the run fails.
 pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseError> {
+    let cfl = setup.time.cfl;
     let mut world = World::new(setup)?;
+    let allowed_s = cfl * world.stable_step_s(0).min(world.stable_step_s(1));
+    let mut contact_step = f64::INFINITY;
     let start = world.sample();
     let before: Vec<DVec3> = (0..2).map(|b| world.body_momentum_kg_m_s(b)).collect();
     let scale = before[0].length();
@@ -140,6 +145,7 @@ pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseErro
         last_change = last_change.max(report.last_change);
         most_passes = most_passes.max(report.passes);
         if report.passes > 0 {
+            contact_step = contact_step.min(report.step_s / allowed_s);
             in_three += u32::from(report.passes <= 3 && report.last_change < 1e-4);
             in_contact.push((report.passes, report.last_change));
             passes.push([report.time_s, f64::from(report.passes)]);
@@ -173,6 +179,7 @@ pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseErro
         begin_middle_end: [at(0), at(in_contact.len() / 2), at(in_contact.len().saturating_sub(1))],
         penetration: world.largest_penetration_ratio(),
         peak_n: window_peak_n(&steps, theory_length_s() / 10.0),
+        contact_step,
         steps: world.steps(),
         force,
         energies,
