@@ -126,7 +126,6 @@ fn setup_of(
 pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseError> {
     let cfl = setup.time.cfl;
     let mut world = World::new(setup)?;
-    let allowed_s = cfl * world.stable_step_s(0).min(world.stable_step_s(1));
     let mut contact_step = f64::INFINITY;
     let start = world.sample();
     let before: Vec<DVec3> = (0..2).map(|b| world.body_momentum_kg_m_s(b)).collect();
@@ -145,7 +144,8 @@ pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseErro
         last_change = last_change.max(report.last_change);
         most_passes = most_passes.max(report.passes);
         if report.passes > 0 {
-            contact_step = contact_step.min(report.step_s / allowed_s);
+            let stable_s = world.stable_step_s(0).min(world.stable_step_s(1));
+            contact_step = contact_step.min(report.step_s / (cfl * stable_s));
             in_three += u32::from(report.passes <= 3 && report.last_change < 1e-4);
             in_contact.push((report.passes, report.last_change));
             passes.push([report.time_s, f64::from(report.passes)]);
