@@ -235,6 +235,17 @@ impl World {
         indexed.map(|(element, stress)| breaking.failure_index(element, &stress.cauchy_pa)).collect()
     }
 
+    /// Material of an element.
+    #[must_use]
+    pub fn material_of(&self, body: usize, element: u32) -> Option<&super::Material> {
+        let setup = self.setup.bodies.get(body)?;
+        let index = match &self.bodies[body].breaking {
+            Some(breaking) => breaking.material(element),
+            None => *setup.element_material.get(element as usize)?,
+        };
+        setup.materials.get(index as usize)
+    }
+
     /// When each element of a body first took part in a crack, s, or [`NEVER_FAILED_S`]; parts of an element that was
     /// cut have its time. Empty for a body that cannot break.
     #[must_use]

@@ -2,6 +2,7 @@
 
 use super::aim::Aim;
 use super::edits::Edits;
+use super::exploded::exploded;
 use super::look::Look;
 use super::player::Player;
 use super::recording::Recording;
@@ -56,6 +57,8 @@ pub struct App {
     pub save: SaveState,
     /// What went wrong in the window itself.
     trouble: Option<String>,
+    /// What is shown, how far its fragments are moved apart, and the result.
+    exploded: Option<(Arc<Frame>, f32, Arc<Frame>)>,
     /// Which panels are there.
     pub panels: Panels,
     /// Whether the gallery covers the scene.
@@ -141,6 +144,7 @@ impl App {
             saver: Saver::default(),
             save: SaveState::default(),
             trouble: None,
+            exploded: None,
             panels: Panels { parameters: true, inspector: true, help: false },
             is_gallery: true,
             dismissed: 0,
@@ -192,6 +196,29 @@ impl App {
         self.player.moment(&self.snapshot.recording).map_or(&self.snapshot.frame, |moment| &moment.frame)
     }
 
+    /// What is drawn: that with its fragments moved apart, if so wished.
+    #[must_use]
+    pub fn drawn(&self) -> &Arc<Frame> {
+        let exploded = self.exploded.as_ref().filter(|_| self.look.explode > 0.0);
+        exploded.map_or_else(|| self.shown(), |(_, _, frame)| frame)
+    }
+
+    /// Moves the fragments of what is shown apart.
+    fn explode(&mut self) {
+        let share = self.look.explode;
+        if share <= 0.0 {
+            self.exploded = None;
+            return;
+        }
+        let shown = self.shown().clone();
+        let is_known =
+            self.exploded.as_ref().is_some_and(|(of, by, _)| Arc::ptr_eq(of, &shown) && *by == share);
+        if !is_known {
+            let moved = Arc::new(exploded(&shown, share));
+            self.exploded = Some((shown, share, moved));
+        }
+    }
+
     /// Lays out the whole window for one frame and does what was asked for in it.
     pub fn update(&mut self, ui: &mut Ui) {
         self.take_news();
@@ -205,6 +232,7 @@ impl App {
             self.act(action);
         }
         self.actions = actions;
+        self.explode();
     }
 
     /// What the graphics should draw into the viewport, once its place is known.
@@ -213,7 +241,7 @@ impl App {
         let viewport = self.viewport.filter(|_| !self.is_gallery && self.snapshot.scene.is_some())?;
         let pixels = |points: f32| (points * pixels_per_point).round().max(1.0) as u32;
         Some(PictureRequest {
-            frame: self.shown(),
+            frame: self.drawn(),
             camera: self.look.camera,
             view: self.look.view(pixels_per_point),
             size_px: [pixels(viewport.width()), pixels(viewport.height())],
@@ -330,7 +358,7 @@ impl App {
 
     fn save(&mut self, kind: SaveKind) {
         let Some(scene) = self.snapshot.scene.clone() else { return };
-        let frame = self.shown().clone();
+        let frame = self.drawn().clone();
         let job = match kind {
             SaveKind::Picture => Job::Picture(frame, Box::new(self.shot(false))),
             SaveKind::Animation => {
@@ -407,6 +435,7 @@ impl App {
             Action::SetSpeed(speed) => self.simulation.send(Command::SetSpeed(speed)),
             Action::Throw(throw) => self.edit_scene(Command::Throw(throw)),
             Action::Remove(body) => self.edit_scene(Command::Remove(body)),
+            Action::Inspect(body, element) => self.simulation.send(Command::Inspect(Some((body, element)))),
             Action::Undo => {
                 self.player.leave();
                 self.simulation.send(Command::Undo);

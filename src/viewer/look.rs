@@ -13,6 +13,8 @@ pub struct Look {
     pub color_by: ColorBy,
     /// Whether the elements' edges are drawn.
     pub wireframe: bool,
+    /// How far fragments are moved apart, as a share of their distance from the middle.
+    pub explode: f32,
     /// Dark surroundings, of the picture and the panels.
     pub is_dark: bool,
     /// The camera.
@@ -29,6 +31,7 @@ impl Default for Look {
         Self {
             color_by: ColorBy::default(),
             wireframe: false,
+            explode: 0.0,
             is_dark: false,
             camera: Camera::default(),
             range: None,

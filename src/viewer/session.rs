@@ -4,6 +4,7 @@ mod scene_edits;
 mod timeline;
 
 use super::history::{History, Row};
+use super::inspection::Inspection;
 use super::pacing::{FRAME_S, Pace, SpeedMeter};
 use super::recording::Recording;
 use super::snapshot::{Command, Notice, Snapshot};
@@ -54,6 +55,8 @@ pub struct Session {
     /// What was changed in the running scene, in order.
     edits: Vec<Edit>,
     undo: Vec<UndoPoint>,
+    /// Body and element looked at closely.
+    inspected: Option<(usize, u32)>,
     /// Contacts that have a mark already.
     contacts_marked: usize,
     crack_area_m2: f64,
@@ -89,6 +92,7 @@ impl Default for Session {
             moments_since_keyframe: 0,
             edits: Vec::new(),
             undo: Vec::new(),
+            inspected: None,
             contacts_marked: 0,
             crack_area_m2: 0.0,
             are_cracks_growing: false,
@@ -118,6 +122,7 @@ impl Session {
             Command::Remove(body) => self.remove(body),
             Command::Undo => self.undo_last(),
             Command::PlayOnFrom { time_s, play } => self.play_on_from(time_s, play),
+            Command::Inspect(element) => self.inspected = element,
             Command::SetMemoryLimit(bytes) => self.set_memory_limit(bytes),
         }
         self.commands_done += 1;
@@ -205,6 +210,9 @@ impl Session {
             frame: self.frame.clone(),
             history: self.history.clone(),
             recording: self.recording.clone(),
+            inspection: run
+                .zip(self.inspected)
+                .and_then(|(run, (body, element))| Inspection::of(&run.world, body, element)),
             undo: self.undo.last().map(|point| point.what.clone()),
             is_playing: self.is_playing,
             speed: self.speed,
@@ -241,6 +249,7 @@ impl Session {
             Err(error) => return self.tell(format!("{name}: {error}")),
         };
         self.opened += 1;
+        self.inspected = None;
         self.contact = None;
         self.speed = 1.0 / scene.description.recording.slow_motion.max(1.0);
         self.notice = None;

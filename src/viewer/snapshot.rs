@@ -1,6 +1,7 @@
 //! What goes to and from the simulation: commands in, snapshots out.
 
 use super::history::History;
+use super::inspection::Inspection;
 use super::recording::Recording;
 use super::thrown::Throw;
 use crate::frame::Frame;
@@ -52,6 +53,8 @@ pub enum Command {
         /// Whether time runs at once.
         play: bool,
     },
+    /// Looks closely at an element: number of the body in the frame, and of the element in the body.
+    Inspect(Option<(usize, u32)>),
     /// Memory for the recording, bytes.
     SetMemoryLimit(usize),
 }
@@ -88,6 +91,8 @@ pub struct Snapshot {
     pub history: Arc<History>,
     /// Everything simulated so far, to look at again.
     pub recording: Arc<Recording>,
+    /// The element looked at closely.
+    pub inspection: Option<Inspection>,
     /// What undo would take back.
     pub undo: Option<String>,
     /// Whether time runs.

@@ -1,6 +1,6 @@
 //! The panel at the right: what is shown, and the plots.
 
-use super::{Action, plots, save, widgets};
+use super::{Action, element, plots, save, widgets};
 use crate::frame::ColorBy;
 use crate::render::NamedView;
 use crate::viewer::app::App;
@@ -12,8 +12,17 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         widgets::section(ui, "View", |ui| view(ui, app, actions));
         widgets::section(ui, "Take it home", |ui| save::show(ui, app, actions));
         let history = app.snapshot.history.clone();
-        widgets::section(ui, "Energy", |ui| plots::energies(ui, &history));
-        widgets::section(ui, "Contact force", |ui| plots::contact_force(ui, &history));
+        widgets::section(ui, "Element", |ui| {
+            element::show(ui, app.snapshot.inspection.as_ref(), app.player.is_back());
+        });
+        let now_s = app.shown().time_s;
+        for figure in &plots::FIGURES {
+            widgets::section(ui, figure.title, |ui| {
+                if let Some(time_s) = figure.show(ui, &history, now_s) {
+                    actions.push(Action::LookAt(time_s));
+                }
+            });
+        }
     });
 }
 
@@ -56,6 +65,11 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         });
     });
     ui.checkbox(&mut look.wireframe, "Edges of the elements").on_hover_text("Wireframe (W)");
+    row(ui, "Explode", |ui| {
+        ui.spacing_mut().slider_width = (ui.available_width() - 4.0).max(40.0);
+        let hint = "Moves the fragments apart, only for the eye";
+        ui.add(egui::Slider::new(&mut look.explode, 0.0..=2.0).show_value(false)).on_hover_text(hint);
+    });
     if look.color_by.has_values() {
         let hint = "The colours' range grows with what was seen; this fits it to the present moment";
         if ui.button("Fit the colours to now").on_hover_text(hint).clicked() {

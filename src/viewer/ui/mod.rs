@@ -2,6 +2,7 @@
 
 mod banner;
 mod contact;
+mod element;
 mod fracture;
 mod gallery;
 mod help;
@@ -47,6 +48,8 @@ pub enum Action {
     Throw(Throw),
     /// Take out the body of this number.
     Remove(usize),
+    /// Look closely at the element of a body.
+    Inspect(usize, u32),
     /// Take the last throw or removal back.
     Undo,
     /// Dragging throws, or turns the camera.

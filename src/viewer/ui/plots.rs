@@ -4,7 +4,7 @@ use super::icons;
 use super::widgets::measured;
 use crate::viewer::history::{History, Row};
 use egui::{Color32, RichText, Ui};
-use egui_plot::{GridMark, HoverPosition, Line, LineStyle, Plot};
+use egui_plot::{GridMark, HoverPosition, Line, LineStyle, Plot, VLine};
 
 const HEIGHT: f32 = 150.0;
 /// More points than the panel has pixels only cost time.
@@ -19,7 +19,7 @@ struct Curve {
     value: fn(&Row) -> f64,
 }
 
-const ENERGIES: [Curve; 5] = [
+static ENERGIES: [Curve; 5] = [
     Curve {
         name: "Kinetic",
         hint: "Energy of motion",
@@ -57,27 +57,63 @@ const ENERGIES: [Curve; 5] = [
     },
 ];
 
-const FORCE: Curve = Curve {
-    name: "Contact force",
-    hint: "Sum of the lengths of all contact forces",
-    color: Color32::from_rgb(0xd0, 0x4a, 0x4a),
-    is_dashed: false,
-    value: |row| row.contact_force_n,
-};
-
-/// Energies and their sum.
-pub fn energies(ui: &mut Ui, history: &History) {
-    plot(ui, "energies", "J", &ENERGIES, history.rows());
-    legend(ui, "J", &ENERGIES, history.rows());
+/// A curve with a plot of its own.
+const fn single(
+    name: &'static str,
+    hint: &'static str,
+    color: Color32,
+    value: fn(&Row) -> f64,
+) -> [Curve; 1] {
+    [Curve { name, hint, color, is_dashed: false, value }]
 }
 
-/// The contact force.
-pub fn contact_force(ui: &mut Ui, history: &History) {
-    plot(ui, "contact force", "N", &[FORCE], history.rows());
-    legend(ui, "N", &[FORCE], history.rows());
+static FORCE: [Curve; 1] = single(
+    "Contact force",
+    "Sum of the lengths of all contact forces",
+    Color32::from_rgb(0xd0, 0x4a, 0x4a),
+    |row| row.contact_force_n,
+);
+static MOMENTUM: [Curve; 1] =
+    single("Momentum", "Length of the momentum of all bodies", Color32::from_rgb(0x3b, 0x82, 0xd6), |row| {
+        row.momentum_kg_m_s
+    });
+static FRAGMENTS: [Curve; 1] =
+    single("Fragments", "Connected pieces of what deforms", Color32::from_rgb(0xe0, 0x7b, 0x39), |row| {
+        row.fragments
+    });
+static STEP: [Curve; 1] =
+    single("Stable step", "Elastic step of the slowest body", Color32::from_rgb(0x4f, 0xa3, 0x5f), |row| {
+        row.stable_step_s
+    });
+
+/// A plot with its title and unit.
+pub struct Figure {
+    /// Title of its section.
+    pub title: &'static str,
+    unit: &'static str,
+    curves: &'static [Curve],
 }
 
-fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row]) {
+/// The plots, from top to bottom.
+pub static FIGURES: [Figure; 5] = [
+    Figure { title: "Energy", unit: "J", curves: &ENERGIES },
+    Figure { title: "Contact force", unit: "N", curves: &FORCE },
+    Figure { title: "Fragments", unit: "", curves: &FRAGMENTS },
+    Figure { title: "Momentum", unit: "N s", curves: &MOMENTUM },
+    Figure { title: "Stable step", unit: "s", curves: &STEP },
+];
+
+impl Figure {
+    /// Shows the plot with a line at `now_s`; returns the time that was clicked on, s.
+    pub fn show(&self, ui: &mut Ui, history: &History, now_s: f64) -> Option<f64> {
+        let clicked_s = plot(ui, self, history.rows(), now_s);
+        legend(ui, self.title, self.unit, self.curves, history.rows());
+        clicked_s
+    }
+}
+
+fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
+    let Figure { title, unit, curves } = *figure;
     let label = move |position: &HoverPosition<'_>| match position {
         HoverPosition::NearDataPoint { plot_name, position, .. } => {
             Some(format!("{plot_name} {}\nat {}", measured(position.y, unit), measured(position.x, "s")))
@@ -85,7 +121,7 @@ fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row
         HoverPosition::Elsewhere { .. } => None,
     };
     let grid_color = ui.visuals().widgets.noninteractive.bg_stroke.color;
-    Plot::new(id)
+    let shown = Plot::new(title)
         .height(HEIGHT)
         .allow_scroll(false)
         .allow_zoom(false)
@@ -111,6 +147,7 @@ fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row
         .y_axis_formatter(move |mark, _| tick(mark.value, unit))
         .label_formatter(label)
         .show(ui, |plot| {
+            plot.vline(VLine::new("now", now_s).color(grid_color).width(1.5).allow_hover(false));
             for curve in curves {
                 let style =
                     if curve.is_dashed { LineStyle::Dashed { length: 6.0 } } else { LineStyle::Solid };
@@ -122,6 +159,8 @@ fn plot(ui: &mut Ui, id: &str, unit: &'static str, curves: &[Curve], rows: &[Row
                 );
             }
         });
+    let at = shown.response.clicked().then(|| shown.response.interact_pointer_pos()).flatten()?;
+    Some(shown.transform.value_from_position(at).x.max(0.0))
 }
 
 /// Whether there is nothing but zeros, so that the axis needs some other end.
@@ -157,9 +196,9 @@ fn points(rows: &[Row], value: fn(&Row) -> f64) -> Vec<[f64; 2]> {
 }
 
 /// Names and present values, two in a row.
-fn legend(ui: &mut Ui, unit: &str, curves: &[Curve], rows: &[Row]) {
+fn legend(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], rows: &[Row]) {
     let last = rows.last().copied().unwrap_or_default();
-    egui::Grid::new(("legend", unit)).num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+    egui::Grid::new(("legend", title)).num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         for (index, curve) in curves.iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;

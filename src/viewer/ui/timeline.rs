@@ -24,13 +24,13 @@ pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
         buttons(ui, app, actions);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             memory(ui, app, is_narrow, actions);
-            if app.player.is_back() {
+            ui.add_enabled_ui(app.player.is_back(), |ui| {
                 let hint =
                     "Forgets what came after this moment and simulates on from here, with the values of then";
                 if super::widgets::primary_button(ui, "Play on from here").on_hover_text(hint).clicked() {
                     actions.push(Action::PlayOnFromHere);
                 }
-            }
+            });
             bar(ui, app, actions);
         });
     });
@@ -71,7 +71,9 @@ fn memory(ui: &mut Ui, app: &App, is_narrow: bool, actions: &mut Vec<Action>) {
 fn bar(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let recording = &app.snapshot.recording;
     let width = ui.available_width().max(40.0);
-    let (area, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click_and_drag());
+    let (area, _) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::hover());
+    // A name of its own: what comes and goes beside it must not end a drag.
+    let response = ui.interact(area, egui::Id::unique("timeline bar"), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, "Timeline"));
     let end_s = end_s(app);
     let rail = Rect::from_center_size(area.center(), vec2(area.width() - 12.0, 6.0));

@@ -25,6 +25,11 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         take_aim(app, area, &response, actions);
     }
     app.look.move_camera(&input, area.height());
+    if response.clicked()
+        && let Some(hit) = response.interact_pointer_pos().and_then(|at| hit_at(app, area, at))
+    {
+        actions.push(Action::Inspect(hit.body, hit.element));
+    }
     if response.double_clicked() {
         actions.push(Action::FrameAll);
     }
@@ -51,7 +56,7 @@ fn aspect(area: Rect) -> f32 {
 }
 
 fn hit_at(app: &App, area: Rect, at: Pos2) -> Option<Hit> {
-    pick(app.shown(), &app.look.camera.ray_in_world(share(area, at), aspect(area)))
+    pick(app.drawn(), &app.look.camera.ray_in_world(share(area, at), aspect(area)))
 }
 
 /// Dragging draws a line; letting go throws along it.

@@ -1,0 +1,68 @@
+//! Fragments moved apart, to see what is between them. Only for the eye: nothing of it reaches the simulation.
+
+use crate::frame::{BodyFrame, BodyRole, Frame};
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// The frame with every fragment moved away from the middle of all, by `share` of its distance from it.
+#[must_use]
+pub fn exploded(frame: &Frame, share: f32) -> Frame {
+    let mut moved = frame.clone();
+    let Some((low, high)) = frame.bounds_m() else { return moved };
+    let middle = (Vec3::from(low) + Vec3::from(high)) * 0.5;
+    for body in moved.bodies.iter_mut().filter(|body| body.role == BodyRole::Deformable) {
+        explode(body, middle, share);
+    }
+    // Marks of contacts would hang in the air.
+    moved.contacts.clear();
+    moved
+}
+
+fn explode(body: &mut BodyFrame, middle: Vec3, share: f32) {
+    let surface = body.surface.clone();
+    let mut fragment_of = vec![None; body.positions_m.len()];
+    let mut sums: BTreeMap<u32, (Vec3, f32)> = BTreeMap::new();
+    for (index, triangle) in surface.triangles.iter().enumerate() {
+        let fragment = surface.triangle_fragment.get(index).copied().unwrap_or(0);
+        for vertex in triangle {
+            let Some(position) = body.positions_m.get(*vertex as usize) else { continue };
+            fragment_of[*vertex as usize] = Some(fragment);
+            let (sum, count) = sums.entry(fragment).or_default();
+            *sum += Vec3::from(*position);
+            *count += 1.0;
+        }
+    }
+    for (position, fragment) in body.positions_m.iter_mut().zip(fragment_of) {
+        let Some((sum, count)) = fragment.and_then(|fragment| sums.get(&fragment)) else { continue };
+        let mut away = (*sum / *count - middle) * share;
+        // Nothing goes down into the ground.
+        away.z = away.z.max(0.0);
+        *position = (Vec3::from(*position) + away).to_array();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::SurfaceTopology;
+    use std::sync::Arc;
+
+    #[test]
+    fn fragments_move_apart_without_changing_their_shape() {
+        let surface = SurfaceTopology {
+            triangles: vec![[0, 1, 2], [3, 4, 5]],
+            triangle_fragment: vec![0, 1],
+            ..SurfaceTopology::default()
+        };
+        let at = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0]];
+        let body = BodyFrame {
+            positions_m: at(-1.0).into_iter().chain(at(0.0)).collect(),
+            surface: Arc::new(surface),
+            ..BodyFrame::default()
+        };
+        let frame = Frame { bodies: vec![body], ..Frame::default() };
+        let moved = &exploded(&frame, 1.0).bodies[0].positions_m;
+        assert!(moved[0][0] < -1.0 && moved[3][0] > 0.0);
+        assert!((moved[1][0] - moved[0][0] - 1.0).abs() < 1e-6);
+    }
+}

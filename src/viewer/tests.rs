@@ -1,0 +1,210 @@
+//! The whole window without a screen: real buttons are pressed, real values moved.
+
+use super::app::App;
+use super::simulation::Simulation;
+use super::thumbnails::Sketcher;
+use crate::scene::Scene;
+use crate::sim::World;
+use egui::{Event, Modifiers, PointerButton, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use std::time::{Duration, Instant};
+
+/// Longest wait for anything; a busy machine is slow, a stuck thread never comes back.
+const TIME_LIMIT: Duration = Duration::from_secs(120);
+/// Tall, so that every button of the panels is on the screen.
+const SIZE: [f32; 2] = [1500.0, 2400.0];
+
+type Window = Harness<'static, App>;
+
+fn window() -> Window {
+    let simulation = Simulation::start(Box::new(|| {})).unwrap();
+    let app = App::new(simulation, Sketcher::start(Box::new(|| {})));
+    let mut is_installed = false;
+    let builder = Harness::builder().with_size(SIZE).with_max_steps(4);
+    let mut window = builder.build_ui_state(
+        move |ui, app: &mut App| {
+            if !is_installed {
+                super::ui::style::install(ui.ctx());
+                is_installed = true;
+            }
+            app.update(ui);
+        },
+        app,
+    );
+    window.step();
+    window
+}
+
+/// Lays out frames until something is so.
+fn wait(window: &mut Window, what: &str, is_so: impl Fn(&App) -> bool) {
+    let asked = Instant::now();
+    while !is_so(window.state()) {
+        window.step();
+        std::thread::sleep(Duration::from_millis(3));
+        assert!(asked.elapsed() < TIME_LIMIT, "waited in vain: {what}; told: {:?}", window.state().notice());
+    }
+}
+
+fn settle(window: &mut Window) {
+    (0..12).for_each(|_| window.step());
+    wait(window, "commands", |app| !app.is_waiting());
+}
+
+fn press(window: &mut Window, label: &str) {
+    window.get_by_label(label).click();
+    settle(window);
+}
+
+fn drag(window: &mut Window, from: Pos2, to: Pos2) {
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.event(Event::PointerMoved(from));
+    window.event(button(from, true));
+    window.step();
+    for share in 1..=8 {
+        window.event(Event::PointerMoved(from + (to - from) * (share as f32 / 8.0)));
+        window.step();
+    }
+    window.event(button(to, false));
+    window.step();
+}
+
+fn open(window: &mut Window, scene: &str) {
+    window.get_by_label(&format!("Open {scene}")).click();
+    wait(window, "the scene", |app| app.snapshot.scene.is_some() && app.viewport.is_some());
+    settle(window);
+}
+
+#[test]
+fn choose_change_throw_break_scrub_save_and_reload() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = window();
+    open(&mut window, "brick-pile");
+    press(&mut window, "Pause (space)");
+    window.state_mut().save.folder = folder.path().to_str().unwrap().to_owned();
+
+    // Another criterion, which acts on reset.
+    press(&mut window, "brick");
+    window.get_by_value("Mohr-Coulomb, tension cut-off").click();
+    settle(&mut window);
+    press(&mut window, "Tension (Rankine)");
+    press(&mut window, "Reset to apply the changes  (R)");
+    let scene = window.state().snapshot.scene.clone().unwrap();
+    let brick = scene.description.materials.iter().find(|material| material.name == "brick").unwrap();
+    assert_eq!(brick.fracture.as_ref().unwrap().rules().len(), 1);
+
+    // It breaks.
+    press(&mut window, "Play (space)");
+    wait(&mut window, "fragments", |app| app.snapshot.frame.status.fragments > 7);
+    press(&mut window, "Pause (space)");
+
+    // A hammer.
+    let bodies = window.state().snapshot.frame.bodies.len();
+    press(&mut window, "Throw with the mouse");
+    let area = window.state().viewport.unwrap();
+    drag(&mut window, area.min + 0.2 * area.size(), area.center());
+    settle(&mut window);
+    let snapshot = window.state().snapshot.clone();
+    assert_eq!(snapshot.frame.bodies.len(), bodies + 1, "{:?}", window.state().notice());
+    assert!(snapshot.undo.as_ref().is_some_and(|what| what.contains("Hammer")));
+    let thrown_s = snapshot.frame.time_s;
+    press(&mut window, "Play (space)");
+    wait(&mut window, "time", |app| app.snapshot.frame.time_s > thrown_s + 4e-3);
+    press(&mut window, "Pause (space)");
+
+    // Back to before the throw, and to the present again.
+    let bar = window.get_by_label("Timeline").rect();
+    drag(&mut window, bar.center(), bar.left_center() + egui::vec2(bar.width() * 0.02, 0.0));
+    settle(&mut window);
+    let app = window.state();
+    assert!(app.player.is_back() && app.shown().time_s < thrown_s && app.shown().bodies.len() == bodies);
+    assert!(app.snapshot.frame.time_s > thrown_s, "looking back changes nothing");
+    press(&mut window, "Now");
+    assert_eq!(window.state().shown().bodies.len(), bodies + 1);
+
+    // Save it all.
+    for (button, ending) in [("Scene", "toml"), ("OBJ", "obj"), ("Picture", "png"), ("GIF", "gif")] {
+        press(&mut window, button);
+        wait(&mut window, button, |app| app.saver.progress().is_none());
+        let text = window.state().save.outcome.clone();
+        assert!(
+            text.as_ref().is_some_and(|text| text.contains("saved")),
+            "{text:?} {:?}",
+            window.state().notice()
+        );
+        let path = folder.path().join(format!("brick-pile.{ending}"));
+        assert!(path.metadata().is_ok_and(|file| file.len() > 500), "{}", path.display());
+    }
+
+    // The saved scene gives the same bytes at every recorded moment.
+    let path = folder.path().join("brick-pile.toml");
+    let saved = Scene::load(path.to_str().unwrap(), &[]).unwrap();
+    let mut world = World::new(saved.setup.clone()).unwrap();
+    for moment in window.state().snapshot.recording.moments() {
+        while world.time_s() < moment.time_s {
+            world.step(moment.time_s).unwrap();
+        }
+        // A moment at which somebody throws is recorded before the throw.
+        let frame = world.publish();
+        for (now, then) in frame.bodies.iter().zip(&moment.frame.bodies) {
+            assert_eq!(now.positions_m, then.positions_m, "{} at {}", then.name, moment.time_s);
+            assert_eq!(now.fields.von_mises_pa, then.fields.von_mises_pa);
+        }
+    }
+    assert!(world.body_count() == bodies + 1 && world.time_s() > thrown_s);
+}
+
+#[test]
+fn play_on_from_an_earlier_moment_and_take_a_throw_back() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    wait(&mut window, "time", |app| app.snapshot.recording.moments().len() > 30);
+    press(&mut window, "Pause (space)");
+    press(&mut window, "Ball");
+    let with_ball = window.state().snapshot.frame.bodies.len();
+    window.key_press_modifiers(Modifiers::COMMAND, egui::Key::Z);
+    settle(&mut window);
+    assert_eq!(window.state().snapshot.frame.bodies.len(), with_ball - 1);
+    let end_s = window.state().snapshot.frame.time_s;
+    for _ in 0..10 {
+        window.key_press(egui::Key::ArrowLeft);
+        window.step();
+    }
+    let back_s = window.state().shown().time_s;
+    assert!(back_s < end_s);
+    window.get_by_label("Play on from here").click();
+    wait(&mut window, "playing", |app| !app.player.is_back() && app.snapshot.is_playing);
+    press(&mut window, "Pause (space)");
+    let times: Vec<f64> = window.state().snapshot.history.rows().iter().map(|row| row.time_s).collect();
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
+}
+
+#[test]
+fn a_formula_is_told_where_it_is_wrong_while_it_is_typed() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    window.get_by_value("Never breaks").click();
+    settle(&mut window);
+    press(&mut window, "Formula");
+    let typed = window.state().edits.criteria[0].formula.clone();
+    // The field and the text in it.
+    window.get_all_by_value(&typed).next().unwrap().click();
+    settle(&mut window);
+    // The click, in the middle of the field, puts the cursor at the end of the short text.
+    window.event(Event::Text(" - Ftt".to_owned()));
+    settle(&mut window);
+    let column = format!("Column {}", typed.len() + 4);
+    assert!(window.query_by_label_contains(&column).is_some(), "the place is not told");
+    window.state_mut().edits.criteria[0].formula = "s1 - 2*MPa".to_owned();
+    settle(&mut window);
+    assert!(window.query_by_label_contains("Column").is_none());
+    press(&mut window, "Reset to apply the changes  (R)");
+    let scene = window.state().snapshot.scene.clone().unwrap();
+    assert!(scene.description.materials.iter().any(|material| material.fracture.is_some()));
+}
