@@ -11,8 +11,10 @@ use super::picture_output::{OutputKind, PictureSink};
 use super::scene_source;
 use super::shot::{Shot, Studio};
 use super::stepping::{self, Arrival};
+use crate::export::png::write_png;
 use crate::frame::{ColorBy, Frame};
 use crate::sim::World;
+use crate::viewer::window_picture;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -50,6 +52,9 @@ pub struct RenderArgs {
     /// Draw the edges of the elements
     #[arg(long)]
     pub wireframe: bool,
+    /// Draw the viewer's window with its panels; for a .png
+    #[arg(long)]
+    pub panels: bool,
     /// Leave out time and slow motion in the corner
     #[arg(long)]
     pub no_caption: bool,
@@ -70,6 +75,9 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
         ));
     }
     let scene = scene_source::load(&args.scene, &common.overrides, console)?;
+    if args.panels {
+        return draw_window(args, common, scene.description.duration_s, console);
+    }
     let shot = Shot::new(args, &scene.description, kind)?;
     let mut world = World::new(scene.setup.clone())?;
     // Before the simulation, which may take long: is there something to draw with, and a place?
@@ -89,6 +97,27 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
         drawn_in_s: started.elapsed().as_secs_f64() - simulated_in_s,
     }
     .tell(simulated, drawn, console)
+}
+
+/// Size of the window when nobody has chosen, pixels: there must be room for the panels.
+const WINDOW_PX: [u32; 2] = [1280, 800];
+
+fn draw_window(
+    args: &RenderArgs,
+    common: &CommonArgs,
+    duration_s: f64,
+    console: &Console,
+) -> Result<(), Failure> {
+    if OutputKind::of(&args.output)? != OutputKind::Png {
+        return Err(Failure::BadInput(
+            "`--panels` draws the window at one moment; name the output something.png".to_owned(),
+        ));
+    }
+    let size_px = args.size.map_or(WINDOW_PX, |size| [size.width, size.height]);
+    let at_s = args.at.or(args.duration).unwrap_or(duration_s);
+    let picture = window_picture(&args.scene, &common.overrides, at_s, size_px).map_err(Failure::Run)?;
+    write_png(&args.output, &picture).map_err(|error| Failure::Run(error.to_string()))?;
+    console.closing(format_args!("wrote `{}`", args.output.display()))
 }
 
 /// The frames up to the end, or to where the run failed or was interrupted.

@@ -80,6 +80,24 @@ impl OffScreen {
     }
 }
 
+impl OffScreen {
+    /// Lets `draw` paint into a texture of the given size and format, and brings the picture back.
+    ///
+    /// # Errors
+    /// As for [`OffScreen::render`].
+    pub fn draw_by(
+        &mut self,
+        size_px: [u32; 2],
+        draw: impl FnOnce(&wgpu::TextureView, wgpu::TextureFormat),
+    ) -> Result<Picture, GpuError> {
+        self.gpu.check_size(size_px)?;
+        let target = ReadableTarget::new(&self.gpu, size_px)?;
+        draw(&target.view, FORMAT);
+        self.gpu.check()?;
+        target.read(&self.gpu)
+    }
+}
+
 /// A texture and the buffer through which it comes back.
 struct ReadableTarget {
     size_px: [u32; 2],

@@ -247,7 +247,7 @@ impl Graphics {
     }
 }
 
-fn begin_pass<'e>(
+pub(super) fn begin_pass<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     view: &wgpu::TextureView,
     load: wgpu::LoadOp<wgpu::Color>,
@@ -265,7 +265,7 @@ fn begin_pass<'e>(
 }
 
 /// The bytes of an opaque colour, in a format that does not convert them.
-fn clear_color(color: egui::Color32) -> wgpu::Color {
+pub(super) fn clear_color(color: egui::Color32) -> wgpu::Color {
     let [r, g, b] = [color.r(), color.g(), color.b()].map(|level| f64::from(level) / 255.0);
     wgpu::Color { r, g, b, a: 1.0 }
 }

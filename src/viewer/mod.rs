@@ -38,8 +38,10 @@ mod thrown;
 mod thumbnails;
 mod ui;
 mod window;
+mod window_picture;
 
 pub use scene_camera::scene_camera;
+pub use window_picture::window_picture;
 
 use crate::render::GpuError;
 use thiserror::Error;

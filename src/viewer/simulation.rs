@@ -52,6 +52,15 @@ impl Simulation {
         Ok(Self { commands, sent: 0, slot, wants_end, thread: Some(thread) })
     }
 
+    /// One that stands still and shows a snapshot for ever, without a thread.
+    #[must_use]
+    pub fn still(mut snapshot: Snapshot) -> Self {
+        snapshot.commands_done = 0;
+        let slot = Arc::new(LatestSlot::default());
+        slot.put(Arc::new(snapshot));
+        Self { commands: channel().0, sent: 0, slot, wants_end: Arc::default(), thread: None }
+    }
+
     /// Sends a command. It never waits.
     pub fn send(&mut self, command: Command) {
         // The thread only ends after this end is gone.

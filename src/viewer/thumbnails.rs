@@ -57,6 +57,12 @@ impl Sketcher {
         Self { sketches, wants_end }
     }
 
+    /// One that prepares nothing.
+    #[must_use]
+    pub fn idle() -> Self {
+        Self { sketches: channel().1, wants_end: Arc::default() }
+    }
+
     /// A finished sketch, if there is a new one.
     #[must_use]
     pub fn next(&self) -> Option<Sketch> {
