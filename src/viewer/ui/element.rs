@@ -34,14 +34,31 @@ pub fn show(ui: &mut Ui, inspection: Option<&Inspection>, is_back: bool) {
         for (name, value) in ["s1", "s2", "s3"].into_iter().zip(inspection.principal_pa.to_array()) {
             row(name, measured(value, "Pa"));
         }
-        let s = inspection.cauchy_pa;
-        row("σx σy σz", [s.x_axis.x, s.y_axis.y, s.z_axis.z].map(|v| measured(v, "Pa")).join("  "));
-        row("τxy τyz τzx", [s.x_axis.y, s.y_axis.z, s.z_axis.x].map(|v| measured(v, "Pa")).join("  "));
         if let Some(index) = inspection.failure_index {
             row("failure index", format!("{index:.3}"));
         }
     });
+    components(ui, inspection);
     mohr(ui, inspection);
+}
+
+/// The tensor in world axes, two components a row: more would not fit into the panel.
+fn components(ui: &mut Ui, inspection: &Inspection) {
+    let s = inspection.cauchy_pa;
+    let rows = [
+        [("σx", s.x_axis.x), ("τxy", s.x_axis.y)],
+        [("σy", s.y_axis.y), ("τyz", s.y_axis.z)],
+        [("σz", s.z_axis.z), ("τzx", s.z_axis.x)],
+    ];
+    Grid::new("components").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
+        for row in rows {
+            for (name, value) in row {
+                ui.label(RichText::new(name).small().weak());
+                ui.label(RichText::new(measured(value, "Pa")).small().strong());
+            }
+            ui.end_row();
+        }
+    });
 }
 
 fn mohr(ui: &mut Ui, inspection: &Inspection) {
@@ -50,7 +67,9 @@ fn mohr(ui: &mut Ui, inspection: &Inspection) {
     let reach = (s1 - s3).abs().max(s1.abs()).max(s3.abs());
     // Without stress the envelope alone says how large the picture must be.
     let reach = if reach > 0.0 { reach } else { lines.iter().map(|l| l.size_pa()).fold(1.0, f64::max) };
+    let grid_color = ui.visuals().widgets.noninteractive.bg_stroke.color;
     Plot::new("Mohr's circles")
+        .grid_color(grid_color)
         .height(HEIGHT)
         .data_aspect(1.0)
         .allow_scroll(false)

@@ -64,7 +64,7 @@ fn animation(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         ui.add_enabled_ui(end_s > 0.0, |ui| {
             if ui
                 .add_sized(size, Button::new("GIF"))
-                .on_hover_text("The range as an animation, at the speed on the slider")
+                .on_hover_text("The range as an animation, at the speed on the slider; long ones are hurried through in 1000 pictures")
                 .clicked()
             {
                 actions.push(Action::Save(SaveKind::Animation));
