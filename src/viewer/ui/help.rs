@@ -3,10 +3,12 @@
 use super::keys::KEYS;
 use egui::{Align2, Context, Grid, RichText, Ui, Window};
 
-const MOUSE: [(&str, &str); 5] = [
+const MOUSE: [(&str, &str); 7] = [
     ("Left drag", "turn"),
     ("Right or middle drag", "move"),
     ("Wheel", "come closer, go back"),
+    ("Click on a body", "look closely at an element"),
+    ("Right click on a body", "take it out of the scene"),
     ("Double click", "show everything"),
     ("Drop a file", "open a scene"),
 ];
