@@ -389,13 +389,13 @@ impl World {
         Ok(f64::INFINITY)
     }
 
-    /// Memory that a copy of the world takes, bytes, as an estimate: what elements and nodes take was measured, and the
-    /// rest is small beside it.
+    /// Memory that a copy of the world takes, bytes, as an estimate: a plate of 20,000 elements, whose nodes all lie on its
+    /// surface, took 11 MB, whole and with cracks.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         const BASE: usize = 64 << 10;
-        const PER_ELEMENT: usize = 900;
-        const PER_NODE: usize = 900;
+        const PER_ELEMENT: usize = 400;
+        const PER_NODE: usize = 400;
         let of_body = |b: &Body| b.tets.len() * PER_ELEMENT + b.reference_m.len() * PER_NODE;
         BASE + self.bodies.iter().map(of_body).sum::<usize>()
     }
