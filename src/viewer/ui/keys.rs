@@ -12,7 +12,7 @@ pub const KEYS: [(&str, &str); 14] = [
     ("R", "back to the start, with the values on the sliders"),
     ("F", "show everything"),
     ("1 … 9", "look from: three-quarter, front, right, back, left, top, rear, low, high"),
-    ("← →", "the recorded moment before, after"),
+    ("Left, Right", "the recorded moment before, after"),
     ("End", "back to the present"),
     ("T", "throw with the mouse, or turn the camera again"),
     ("Ctrl Z", "take the last throw or removal back"),
