@@ -20,8 +20,7 @@ use hammerfall::contact::{
 use hammerfall::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
 use hammerfall::mesh::{Surface, TetMesh};
 use hammerfall::sim::{
-    BodyMotion, BodySetup, BoundaryAction, BoundaryCondition, Kinematics, Material, PhaseTimes, StepReport,
-    World, WorldSetup,
+    BodySetup, BoundaryAction, BoundaryCondition, Material, PhaseTimes, StepReport, World, WorldSetup,
 };
 use std::time::Duration;
 
@@ -239,28 +238,13 @@ fn take_steps(world: &mut World, steps: u64) {
 fn held(name: &str, mesh: TetMesh, (velocity_m_s, height_m): (DVec3, f64)) -> BodySetup {
     let is_held = |n: &u32| (mesh.nodes_m[*n as usize].z - height_m).abs() < 1e-9;
     let nodes = (0..mesh.nodes_m.len() as u32).filter(is_held).collect();
-    let material = Material {
-        name: "rubber".to_owned(),
-        density_kg_m3: DENSITY_KG_M3,
-        youngs_modulus_pa: YOUNGS_MODULUS_PA,
-        poisson_ratio: 0.3,
-        damping_per_s: 0.0,
-        stiffness_damping_s: 0.0,
-        color_srgb: [0.5; 3],
-        fracture: None,
-    };
+    let material = Material::elastic("rubber", DENSITY_KG_M3, YOUNGS_MODULUS_PA, 0.3);
     BodySetup {
-        name: name.to_owned(),
-        element_material: vec![0; mesh.tets.len()],
-        mesh,
-        materials: vec![material],
-        motion: BodyMotion::Deformable(Kinematics::Green),
         velocity_m_s,
-        spin_rad_s: DVec3::ZERO,
         boundary: vec![BoundaryCondition {
             nodes,
             action: BoundaryAction::Velocity { velocity_m_s, axes: [true; 3] },
         }],
-        mass_scaling_max_share: 0.0,
+        ..BodySetup::at_rest(name, mesh, material)
     }
 }

@@ -214,31 +214,14 @@ fn extend(numbers: &mut Vec<f64>, vectors: impl IntoIterator<Item = DVec3>) {
 mod tests {
     use super::*;
     use crate::mesh::TetMesh;
-    use crate::sim::{BodyMotion, BodySetup, Kinematics, Material, WorldSetup};
+    use crate::sim::{BodySetup, Material, WorldSetup};
 
     fn body(name: &str, shift_m: f64) -> BodySetup {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
         let nodes_m = corners.map(|x| x + DVec3::X * shift_m).to_vec();
-        BodySetup {
-            name: name.to_owned(),
-            mesh: TetMesh::with_one_region(nodes_m, vec![[0, 1, 2, 3]]),
-            materials: vec![Material {
-                name: "steel".to_owned(),
-                density_kg_m3: 7800.0,
-                youngs_modulus_pa: 2e11,
-                poisson_ratio: 0.3,
-                damping_per_s: 0.0,
-                stiffness_damping_s: 0.0,
-                color_srgb: [0.5; 3],
-                fracture: None,
-            }],
-            element_material: vec![0],
-            motion: BodyMotion::Deformable(Kinematics::Green),
-            velocity_m_s: DVec3::Y,
-            spin_rad_s: DVec3::ZERO,
-            boundary: Vec::new(),
-            mass_scaling_max_share: 0.0,
-        }
+        let mesh = TetMesh::with_one_region(nodes_m, vec![[0, 1, 2, 3]]);
+        let steel = Material::elastic("steel", 7800.0, 2e11, 0.3);
+        BodySetup { velocity_m_s: DVec3::Y, ..BodySetup::at_rest(name, mesh, steel) }
     }
 
     fn world() -> World {

@@ -26,6 +26,23 @@ pub struct Material {
     pub fracture: Option<Criterion>,
 }
 
+impl Material {
+    /// An undamped grey material that never breaks.
+    #[must_use]
+    pub fn elastic(name: &str, density_kg_m3: f64, youngs_modulus_pa: f64, poisson_ratio: f64) -> Self {
+        Self {
+            name: name.to_owned(),
+            density_kg_m3,
+            youngs_modulus_pa,
+            poisson_ratio,
+            damping_per_s: 0.0,
+            stiffness_damping_s: 0.0,
+            color_srgb: [0.5; 3],
+            fracture: None,
+        }
+    }
+}
+
 /// Strain measure and what is split off the motion (METHOD 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kinematics {
@@ -115,6 +132,24 @@ pub struct BodySetup {
     /// Largest share of the body's mass that may be added to raise the stable step of its worst
     /// elements; 0 switches mass scaling off.
     pub mass_scaling_max_share: f64,
+}
+
+impl BodySetup {
+    /// A deformable body of one material, at rest and without supports.
+    #[must_use]
+    pub fn at_rest(name: &str, mesh: TetMesh, material: Material) -> Self {
+        Self {
+            name: name.to_owned(),
+            element_material: vec![0; mesh.tets.len()],
+            mesh,
+            materials: vec![material],
+            motion: BodyMotion::Deformable(Kinematics::Green),
+            velocity_m_s: DVec3::ZERO,
+            spin_rad_s: DVec3::ZERO,
+            boundary: Vec::new(),
+            mass_scaling_max_share: 0.0,
+        }
+    }
 }
 
 /// How contact is enforced.

@@ -3,9 +3,7 @@
 use super::CaseError;
 use crate::mesh::shapes::{Ball, BoxShape, Meshing, Resolution, Shape};
 use crate::mesh::{TetMesh, signed_volume_m3};
-use crate::sim::{
-    BodyMotion, BodySetup, BoundaryAction, BoundaryCondition, Kinematics, Material, WorldSetup,
-};
+use crate::sim::{BodyMotion, BodySetup, BoundaryAction, BoundaryCondition, Material, WorldSetup};
 use glam::DVec3;
 
 /// Standard gravity as the scenes take it, m/s2.
@@ -13,16 +11,7 @@ pub(super) const GRAVITY_M_S2: f64 = 9.81;
 
 /// An undamped material that never breaks.
 pub(super) fn material(density_kg_m3: f64, youngs_modulus_pa: f64, poisson_ratio: f64) -> Material {
-    Material {
-        name: "specimen".to_owned(),
-        density_kg_m3,
-        youngs_modulus_pa,
-        poisson_ratio,
-        damping_per_s: 0.0,
-        stiffness_damping_s: 0.0,
-        color_srgb: [0.5; 3],
-        fracture: None,
-    }
+    Material::elastic("specimen", density_kg_m3, youngs_modulus_pa, poisson_ratio)
 }
 
 /// A box of the given sizes (m) and cells around `centre_m`.
@@ -44,17 +33,7 @@ fn mesh(shape: &Shape, resolution: Resolution, centre_m: DVec3) -> Result<TetMes
 
 /// A deformable body at rest.
 pub(super) fn body(name: &str, mesh: TetMesh, material: Material) -> BodySetup {
-    BodySetup {
-        name: name.to_owned(),
-        element_material: vec![0; mesh.tets.len()],
-        mesh,
-        materials: vec![material],
-        motion: BodyMotion::Deformable(Kinematics::Green),
-        velocity_m_s: DVec3::ZERO,
-        spin_rad_s: DVec3::ZERO,
-        boundary: Vec::new(),
-        mass_scaling_max_share: 0.0,
-    }
+    BodySetup::at_rest(name, mesh, material)
 }
 
 /// A body that never moves.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use hammerfall::mesh::TetMesh;
 use hammerfall::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
-use hammerfall::sim::{BodyMotion, BodySetup, Kinematics, Material, Sample, World, WorldSetup};
+use hammerfall::sim::{BodyMotion, BodySetup, Material, Sample, World, WorldSetup};
 
 pub fn steel() -> Material {
     material(7844.0, 206.82e9, 0.3)
@@ -14,16 +14,7 @@ pub fn rubber() -> Material {
 }
 
 pub fn material(density_kg_m3: f64, youngs_modulus_pa: f64, poisson_ratio: f64) -> Material {
-    Material {
-        name: "test".to_owned(),
-        density_kg_m3,
-        youngs_modulus_pa,
-        poisson_ratio,
-        damping_per_s: 0.0,
-        stiffness_damping_s: 0.0,
-        color_srgb: [0.5; 3],
-        fracture: None,
-    }
+    Material::elastic("test", density_kg_m3, youngs_modulus_pa, poisson_ratio)
 }
 
 /// A box of the given sizes (m) and cells, its centre at `centre_m`.
@@ -36,17 +27,7 @@ pub fn box_mesh(size_m: DVec3, cells: [u32; 3], centre_m: DVec3) -> TetMesh {
 }
 
 pub fn body(name: &str, mesh: TetMesh, material: Material) -> BodySetup {
-    BodySetup {
-        name: name.to_owned(),
-        element_material: vec![0; mesh.tets.len()],
-        mesh,
-        materials: vec![material],
-        motion: BodyMotion::Deformable(Kinematics::Green),
-        velocity_m_s: DVec3::ZERO,
-        spin_rad_s: DVec3::ZERO,
-        boundary: Vec::new(),
-        mass_scaling_max_share: 0.0,
-    }
+    BodySetup::at_rest(name, mesh, material)
 }
 
 pub fn fixed(name: &str, mesh: TetMesh) -> BodySetup {

@@ -243,16 +243,7 @@ fn quantities(name: &str, found: &Collision) -> Vec<Quantity> {
             .within(0.05, "2.5 % of the closing speed, that is, the thesis's error of the impulse"),
         );
     }
-    all.push(
-        Quantity::absolute(
-            format!("{name}: most Gauss-Seidel passes - 3"),
-            "",
-            f64::from(found.most_passes.saturating_sub(3)),
-            0.0,
-        )
-        .by("three passes settle (METHOD 8, thesis figure 5.8)")
-        .within(0.0, "no step may need more"),
-    );
+    all.push(passes_beyond_three(name, found, "three passes settle (METHOD 8, thesis figure 5.8)"));
     for (when, (passes, change)) in ["start", "middle", "end"].into_iter().zip(found.begin_middle_end) {
         all.push(
             Quantity::absolute(
@@ -266,6 +257,14 @@ fn quantities(name: &str, found: &Collision) -> Vec<Quantity> {
         );
     }
     all
+}
+
+/// By how many passes the worst step needed more than three.
+fn passes_beyond_three(name: &str, found: &Collision, source: &'static str) -> Quantity {
+    let beyond = f64::from(found.most_passes.saturating_sub(3));
+    Quantity::absolute(format!("{name}: most Gauss-Seidel passes - 3"), "", beyond, 0.0)
+        .by(source)
+        .within(0.0, "no step may need more")
 }
 
 pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> {
@@ -297,16 +296,7 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
             .by(THEORY_LENGTH)
             .within(0.0227, "the thesis's own error"),
         );
-        all.push(
-            Quantity::absolute(
-                format!("{label}: most Gauss-Seidel passes - 3"),
-                "",
-                f64::from(found.most_passes.saturating_sub(3)),
-                0.0,
-            )
-            .by("three passes settle with and without slip (METHOD 8)")
-            .within(0.0, "no step may need more"),
-        );
+        all.push(passes_beyond_three(label, found, "three passes settle with and without slip (METHOD 8)"));
     }
     let theory = theory_force_n();
     let begin_s = green.force.iter().find(|[_, f]| *f > 0.0).map_or(0.0, |[t, _]| *t);
