@@ -23,5 +23,7 @@ for criterion in tensile mohr-coulomb tresca; do
 done
 say "rendering pile-press-fine"
 cargo run --locked --quiet -- render pile-press-fine -o assets/pictures/pile-band.png --at 0.2155 --size 300x480 --no-caption
+say "rendering pile-split"
+cargo run --locked --quiet -- render pile-split -o assets/pictures/pile-split.png --at 0.16 --size 300x480 --no-caption
 say "drawing the failure criteria"
 cargo run --locked --quiet -- criteria -o assets/pictures/criteria.png

@@ -37,6 +37,7 @@ pub const BUILTIN_SCENES: &[BuiltinScene] = scenes! {
     "beam-notch-fine": "the same, finer",
     "pile-press": "a pile is pressed until it slides apart",
     "pile-press-fine": "a pile slides along one band",
+    "pile-split": "a pile bursts along its axis under a load on its middle",
     "cube-wall": "a cube breaks on a wall, and its pieces fall to the ground",
     "cube-wall-fine": "the same, finer",
     "plate-tensile": "a cube falls on a plate that breaks by tension",

@@ -1,7 +1,7 @@
 //! The list of cases.
 
 use super::cases::{
-    beams, criteria, fracture, impact, incline, patch, penalty, rods, scenes, spin, squeeze, waves,
+    beams, criteria, fracture, impact, incline, patch, penalty, pile, rods, scenes, spin, squeeze, waves,
 };
 use super::{CaseError, Effort, Plot, Quantity};
 
@@ -82,7 +82,9 @@ pub const CASES: &[Case] = &[
     case("scenes", "energy balance of shipped scenes", scenes::measure),
     case("criteria", "failure criteria at known states", criteria::measure),
     slow(case("beam-notch", "first crack of a notched beam", fracture::measure_notch)),
-    case("pile-press", "planes on which a pressed pile fails", fracture::measure_pile),
+    case("pile-press", "planes on which a pressed pile fails", pile::measure_planes),
+    slow(case("pile-band", "the band that goes through a pressed pile", pile::measure_band)),
+    slow(case("pile-split", "the crack that runs along a pile", pile::measure_split)),
     case("spall", "a bar under sudden tension at both ends", fracture::measure_spall),
     case("penalty", "penalty springs against Lagrange multipliers", penalty::measure),
 ];

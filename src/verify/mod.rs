@@ -6,6 +6,7 @@
 
 mod case;
 pub mod cases;
+mod cracks;
 mod effort;
 mod plot;
 mod quantity;

@@ -1,9 +1,9 @@
-//! Where, when and how cracks start: a notched beam (METHOD 8, F1), a pressed pile (F2), a bar under sudden tension.
+//! Where and when cracks start: a notched beam (METHOD 8, F1), a bar under sudden tension.
 
 use super::super::specimen::{body, box_mesh, material, moved, nodes_where, quiet_world};
-use super::super::{CaseError, Effort, Outcome, Plot, Quantity};
+use super::super::{CaseError, Effort, Outcome, Quantity};
 use super::waves;
-use crate::fracture::{Criterion, PrincipalStress, Strength};
+use crate::fracture::{Criterion, Strength};
 use crate::scene::Scene;
 use crate::sim::{BoundaryAction, World, WorldSetup};
 use glam::DVec3;
@@ -16,7 +16,12 @@ const CORNER_M: f64 = -0.1;
 const STRENGTH_PA: f64 = 2e5;
 
 /// Steps until the first crack.
-fn run_to_crack(effort: &Effort, world: &mut World, end_s: f64, name: &str) -> Result<(), CaseError> {
+pub(super) fn run_to_crack(
+    effort: &Effort,
+    world: &mut World,
+    end_s: f64,
+    name: &str,
+) -> Result<(), CaseError> {
     effort.run_while(
         world,
         |world, _| world.sample().crack_area_m2 == 0.0 && world.time_s() < end_s,
@@ -29,7 +34,7 @@ fn run_to_crack(effort: &Effort, world: &mut World, end_s: f64, name: &str) -> R
 }
 
 /// Mean place of a body's crack faces in its reference shape, m.
-fn crack_place_m(world: &World, body: usize) -> DVec3 {
+pub(super) fn crack_place_m(world: &World, body: usize) -> DVec3 {
     let reference_m = world.reference_positions_m(body);
     let faces: Vec<DVec3> = world
         .crack_faces(body)
@@ -87,108 +92,6 @@ pub(in crate::verify) fn measure_notch(effort: &Effort) -> Result<Outcome, CaseE
         .within(0.0, "a side is a side"),
     ]
     .into())
-}
-
-/// Angle between a plane and the horizontal, degrees.
-fn steepness_deg(normal: DVec3) -> f64 {
-    normal.z.abs().min(1.0).acos().to_degrees()
-}
-
-/// Mean steepness of the planes of all elements that fail up to the first crack of the shipped pile, degrees.
-fn first_planes_deg(effort: &Effort, fracture: &str) -> Result<f64, CaseError> {
-    const EVERY_S: f64 = 1e-4;
-    const END_S: f64 = 0.2;
-    const PILE: usize = 1;
-    let scene = Scene::load("pile-press", &[format!("materials.concrete.fracture={fracture}")])?;
-    let material = scene.setup.bodies[PILE].materials[0].clone();
-    let criterion =
-        material.fracture.ok_or_else(|| CaseError::Unmeasured("the pile cannot break".to_owned()))?;
-    let mut world = World::new(scene.setup)?;
-    let mut failed_deg = Vec::new();
-    let mut next_s = EVERY_S;
-    let mut wrong = None;
-    effort.run_while(
-        &mut world,
-        |world, report| {
-            let has_broken = world.sample().crack_area_m2 > 0.0;
-            if has_broken || report.time_s >= next_s {
-                next_s = report.time_s + EVERY_S;
-                for element in world.element_stresses(PILE) {
-                    let stress = PrincipalStress::of(&element.cauchy_pa);
-                    match criterion.assess(&stress.measures()) {
-                        Ok(found) if found.fails() => {
-                            failed_deg.push(steepness_deg(criterion.normal(found.rule, &stress, None)));
-                        }
-                        Ok(_) => {}
-                        Err(error) => wrong = Some(CaseError::Unmeasured(error.to_string())),
-                    }
-                }
-            }
-            !has_broken && world.time_s() < END_S
-        },
-        END_S,
-    )?;
-    wrong.map_or(Ok(()), Err)?;
-    if failed_deg.is_empty() {
-        return Err(CaseError::Unmeasured("no element of the pile failed".to_owned()));
-    }
-    Ok(failed_deg.iter().sum::<f64>() / failed_deg.len() as f64)
-}
-
-/// Mean steepness of the first cracks of the shipped pile, by their area, degrees.
-fn crack_steepness_deg(effort: &Effort, fracture: &str) -> Result<f64, CaseError> {
-    const PILE: usize = 1;
-    let scene = Scene::load("pile-press", &[format!("materials.concrete.fracture={fracture}")])?;
-    let mut world = World::new(scene.setup)?;
-    run_to_crack(effort, &mut world, scene.description.duration_s, "the pile")?;
-    let reference_m = world.reference_positions_m(PILE);
-    let (mut sum_deg_m2, mut area_m2) = (0.0, 0.0);
-    for face in world.crack_faces(PILE) {
-        let [a, b, c] = face.nodes.map(|n| reference_m[n as usize]);
-        let normal_m2 = (b - a).cross(c - a);
-        sum_deg_m2 += steepness_deg(normal_m2.normalize()) * normal_m2.length();
-        area_m2 += normal_m2.length();
-    }
-    Ok(sum_deg_m2 / area_m2)
-}
-
-pub(in crate::verify) fn measure_pile(effort: &Effort) -> Result<Outcome, CaseError> {
-    let mut all = Vec::new();
-    let (mut found, mut theory) = (Vec::new(), Vec::new());
-    for phi_deg in [0.0, 10.0, 20.0, 30.0] {
-        let fracture = format!("{{criterion=\"mohr-coulomb\",cohesion=1e6,friction_angle={phi_deg}}}");
-        let plane_deg = first_planes_deg(effort, &fracture)?;
-        let expected_deg = 45.0 + phi_deg / 2.0;
-        all.push(
-            Quantity::absolute(
-                format!("Mohr-Coulomb, phi = {phi_deg}: plane to the horizontal"),
-                "degrees",
-                plane_deg,
-                expected_deg,
-            )
-            .by("45 + phi/2 (METHOD 8, F2)")
-            .within(
-                3.0,
-                "friction of the press and the waves of its blow tilt principal stresses by some degrees",
-            ),
-        );
-        found.push([phi_deg, plane_deg]);
-        theory.push([phi_deg, expected_deg]);
-    }
-    let tensile_deg = crack_steepness_deg(effort, "{criterion=\"tensile\",tensile_strength=1e4}")?;
-    all.push(
-        Quantity::absolute("tensile: plane to the horizontal", "degrees", tensile_deg, 90.0)
-            .by("normals nearly horizontal, cracks run up the pile (METHOD 8, F2)")
-            .within(15.0, "the thesis says \"nearly\"; friction holds the ends of the pile, which tilts the tension there"),
-    );
-    let plot = Plot::new(
-        "failure-plane",
-        "Failure plane of a pressed pile",
-        ["friction angle, degrees", "plane to the horizontal, degrees"],
-    )
-    .with("first planes", found)
-    .with("45 + phi/2", theory);
-    Ok(Outcome { quantities: all, plots: vec![plot] })
 }
 
 /// A bar whose ends are pulled suddenly: each sends a tension of `rho c v`; where they meet, in the middle after

@@ -7,6 +7,7 @@ pub mod impact;
 pub mod incline;
 pub mod patch;
 pub mod penalty;
+pub mod pile;
 pub mod rods;
 pub mod scenes;
 pub mod spin;

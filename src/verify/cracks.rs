@@ -1,0 +1,131 @@
+//! What the cracks of a body look like: how steep they stand, and the plane of the largest of them.
+
+use crate::math::{DisjointSets, symmetric_eigen};
+use crate::sim::World;
+use glam::{DMat3, DVec3};
+use std::collections::BTreeMap;
+
+/// One side of a cracked face, in the body's reference shape.
+struct CrackTriangle {
+    corners_m: [DVec3; 3],
+    area_m2: f64,
+    normal: DVec3,
+}
+
+/// All cracks of a body at one moment, in its reference shape. Both sides of a crack count, so areas are twice those of the crack.
+pub(super) struct Cracks {
+    triangles: Vec<CrackTriangle>,
+}
+
+/// The largest set of crack faces that hang together over their corners.
+pub(super) struct Band {
+    /// Its best-fit plane's unit normal.
+    pub normal: DVec3,
+    /// Its smallest and largest coordinates, m.
+    pub bounds_m: [DVec3; 2],
+}
+
+impl Cracks {
+    pub fn of(world: &World, body: usize) -> Self {
+        let reference_m = world.reference_positions_m(body);
+        let triangle = |nodes: [u32; 3]| {
+            let corners_m = nodes.map(|n| reference_m[n as usize]);
+            let [a, b, c] = corners_m;
+            let area_normal = 0.5 * (b - a).cross(c - a);
+            let area_m2 = area_normal.length();
+            CrackTriangle { corners_m, area_m2, normal: area_normal / area_m2 }
+        };
+        Self { triangles: world.crack_faces(body).map(|face| triangle(face.nodes)).collect() }
+    }
+
+    /// Mean angle between the crack faces' planes and the horizontal, by area, degrees. NaN without a crack.
+    pub fn mean_steepness_deg(&self) -> f64 {
+        let area_m2: f64 = self.triangles.iter().map(|t| t.area_m2).sum();
+        self.triangles.iter().map(|t| t.area_m2 * steepness_deg(t.normal)).sum::<f64>() / area_m2
+    }
+
+    /// The largest crack; `None` without any.
+    ///
+    /// The plane through it has the least mean square distance over its area: second moments of the triangles, not of
+    /// their centres alone.
+    pub fn largest(&self) -> Option<Band> {
+        let set = self.largest_set();
+        let area_m2: f64 = set.iter().map(|t| t.area_m2).sum();
+        if set.is_empty() {
+            return None;
+        }
+        let centre = |t: &CrackTriangle| t.corners_m.iter().sum::<DVec3>() / 3.0;
+        let middle_m = set.iter().map(|t| centre(t) * t.area_m2).sum::<DVec3>() / area_m2;
+        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+        // The second moment of a triangle: area/12 (sum of x x^T over its corners + s s^T), s their sum.
+        let moment = set.iter().fold(DMat3::ZERO, |sum, t| {
+            let at = t.corners_m.map(|x| x - middle_m);
+            let of_corners = at.iter().fold(DMat3::ZERO, |m, x| m + outer(*x));
+            sum + (of_corners + outer(at.iter().sum())) * (t.area_m2 / 12.0)
+        });
+        let corners = || set.iter().flat_map(|t| t.corners_m);
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        Some(Band { normal: symmetric_eigen(&moment).directions.z_axis, bounds_m: [low, high] })
+    }
+
+    /// Both sides of a crack, and the copies of a node that it has parted, have the same reference positions to the bit.
+    fn largest_set(&self) -> Vec<&CrackTriangle> {
+        let mut sets = DisjointSets::new(self.triangles.len());
+        let mut first_at = BTreeMap::new();
+        for (i, triangle) in self.triangles.iter().enumerate() {
+            for corner in triangle.corners_m {
+                let first = *first_at.entry(corner.to_array().map(f64::to_bits)).or_insert(i as u32);
+                sets.join(first, i as u32);
+            }
+        }
+        let mut of_root: BTreeMap<u32, Vec<&CrackTriangle>> = BTreeMap::new();
+        for (i, triangle) in self.triangles.iter().enumerate() {
+            of_root.entry(sets.root(i as u32)).or_default().push(triangle);
+        }
+        let area = |set: &Vec<&CrackTriangle>| set.iter().map(|t| t.area_m2).sum::<f64>();
+        of_root.into_values().max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or_default()
+    }
+}
+
+/// Angle between a plane and the horizontal, degrees.
+pub(super) fn steepness_deg(normal: DVec3) -> f64 {
+    normal.z.abs().min(1.0).acos().to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cracks(triangles: &[[DVec3; 3]]) -> Cracks {
+        let of = |corners_m: &[DVec3; 3]| {
+            let [a, b, c] = *corners_m;
+            let area_normal = 0.5 * (b - a).cross(c - a);
+            let area_m2 = area_normal.length();
+            CrackTriangle { corners_m: *corners_m, area_m2, normal: area_normal / area_m2 }
+        };
+        Cracks { triangles: triangles.iter().map(of).collect() }
+    }
+
+    #[test]
+    fn the_largest_crack_is_the_one_that_hangs_together_and_its_plane_is_found() {
+        // A square that stands at 60 degrees, and a larger one in two parts that do not touch, lying flat.
+        let up = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
+        let far = DVec3::X * 9.0;
+        let cracks = cracks(&[
+            [DVec3::ZERO, up, DVec3::Y],
+            [DVec3::Y, up, DVec3::Y + up],
+            [far, far + DVec3::X, far + DVec3::Y * 1.2],
+            [
+                far + DVec3::splat(3.0),
+                far + DVec3::splat(3.0) + DVec3::X,
+                far + DVec3::splat(3.0) + DVec3::Y * 1.2,
+            ],
+        ]);
+        let band = cracks.largest().unwrap();
+        assert!((steepness_deg(band.normal) - 60.0).abs() < 1e-9);
+        assert!((band.bounds_m[1] - DVec3::new(0.5, 1.0, up.z)).length() < 1e-12);
+        assert!((cracks.mean_steepness_deg() - 60.0 / 2.2).abs() < 1e-9);
+        assert!(super::Cracks { triangles: vec![] }.largest().is_none());
+    }
+}
