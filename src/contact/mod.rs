@@ -13,6 +13,7 @@ pub mod detect;
 mod first_guess;
 mod follow;
 mod geometry;
+mod groups;
 pub mod impact;
 pub mod nodes;
 pub mod own;

@@ -1,4 +1,4 @@
-//! Gauss-Seidel passes over the contact pairs, from a first guess until the multipliers settle.
+//! Gauss-Seidel passes over a group of contact pairs, from a first guess until the multipliers settle.
 //!
 //! A pass goes forth and back over the pairs. Passes learn from each other (Anderson acceleration, which amounts to
 //! conjugate gradients while no pair opens or slips; Zywicz and Puso, IJNME 44, 1999, accelerate in that way). Where they
@@ -13,8 +13,10 @@ use glam::DVec3;
 const PENETRATION_LEFT: f64 = 1e-4;
 /// Penetration within a body up to which no more passes are asked for, as a share of the local size.
 const OWN_PENETRATION_LEFT: f64 = 3e-4;
-/// Passes without improvement after which a response within a body gives up: some pairs are as deep as they yield.
+/// Passes without improvement after which a response gives up: within a body some pairs are as deep as they yield,
 const OWN_STALLED: u32 = 12;
+/// and between bodies some may be in each other's way.
+const STALLED: u32 = 48;
 /// What counts as improvement of the excess depth.
 const IMPROVEMENT: f64 = 0.95;
 /// Mobility along the normal, over that along the freest axis, below which a pair cannot be opened.
@@ -48,7 +50,7 @@ pub(super) fn settle(
         let is_time = is_settled || report.passes >= p.passes * patience;
         let is_done = is_time && {
             let excess = excess_depth(rows, nodes, (p.step_s, is_own));
-            report.last_change < 1e-12 || excess <= 0.0 || (is_own && progress.has_stalled(excess))
+            report.last_change < 1e-12 || excess <= 0.0 || progress.has_stalled(excess, is_own)
         };
         // The last word has a plain pass, in which every pair obeys its law.
         if is_done || report.passes >= most_passes {
@@ -67,14 +69,14 @@ struct Progress {
 
 impl Progress {
     /// Takes note of the excess depth after a pass.
-    fn has_stalled(&mut self, excess: f64) -> bool {
+    fn has_stalled(&mut self, excess: f64, is_own: bool) -> bool {
         if self.best.is_none_or(|best| excess < IMPROVEMENT * best) {
             self.best = Some(excess);
             self.passes_since = 0;
         } else {
             self.passes_since += 1;
         }
-        self.passes_since >= OWN_STALLED
+        self.passes_since >= if is_own { OWN_STALLED } else { STALLED }
     }
 }
 
@@ -200,6 +202,8 @@ fn excess_depth(rows: &[PairRow], nodes: &[ContactNode], (step_s, is_own): (f64,
 pub(super) struct PairRow {
     /// Number of the constraint.
     pub index: usize,
+    /// Number of the group of pairs that act on each other (`groups.rs`).
+    pub group: u32,
     pub at: Weighted,
     pub normal: DVec3,
     /// Impulse on the first body, N s.
@@ -226,6 +230,7 @@ impl PairRow {
         let is_own = c.is_own();
         (normal_block_per_kg > LEAST_BLOCK * block.max_element()).then(|| Self {
             index,
+            group: 0,
             at,
             normal: c.normal,
             impulse_n_s: c.impulse_n_s,

@@ -13,6 +13,7 @@
 
 use super::constraint::Constraint;
 use super::first_guess::start;
+use super::groups::solve_by_group;
 use super::impact::{ImpactStore, rebound_speeds_m_s, share_of_blow};
 use super::nodes::NodeTable;
 use super::passes::{PairRow, free_of_moment, settle};
@@ -51,10 +52,10 @@ pub struct ResponseParameters {
 /// What the response did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ResponseReport {
-    /// Passes taken to solve the pairs; where some of them opened with a blow and all were solved again, the
-    /// larger number.
+    /// Passes taken to solve the group of pairs that needed most; where some of them opened with a blow and all were
+    /// solved again, the larger number.
     pub passes: u32,
-    /// Largest change of a multiplier in the last pass over the largest multiplier; without the passes of a blow,
+    /// Largest change of a multiplier in the last pass over the largest multiplier of its group; without the passes of a blow,
     /// which is cut to its energy.
     pub last_change: f64,
     /// Energy taken from the nodes by friction and impact, J.
@@ -84,8 +85,10 @@ pub fn solve(
     let mut rows: Vec<PairRow> =
         constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
     let stored_before_j = stored_j(constraints);
-    start(&mut rows, &mut table.nodes);
-    let mut report = settle(&mut rows, &mut table.nodes, (p, MOST_PASSES));
+    let mut report = solve_by_group(&mut rows, &mut table.nodes, |rows, nodes| {
+        start(rows, nodes);
+        settle(rows, nodes, (p, MOST_PASSES))
+    });
     write_impulses(&rows, constraints);
     if let Some(blow) =
         p.conserve_impact_energy.then(|| deal_blows(&mut rows, constraints, table, p)).flatten()
@@ -136,7 +139,7 @@ fn deal_blows(
     let before_m_s: Vec<DVec3> = table.nodes.iter().map(|node| node.velocity_m_s).collect();
     let impulses: Vec<DVec3> = rows.iter().map(|row| row.impulse_n_s).collect();
     // A blow is cut to its energy anyway: the usual passes are enough.
-    let report = settle(rows, &mut table.nodes, (p, p.passes));
+    let report = solve_by_group(rows, &mut table.nodes, |rows, nodes| settle(rows, nodes, (p, p.passes)));
     let spent_j = aimed.iter().map(|i| constraints[*i].stored.energy_j).sum();
     let (mut work_j, mut square_j) = (0.0, 0.0);
     let predicted_m_s = table.predicted_m_s();

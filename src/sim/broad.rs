@@ -72,8 +72,8 @@ impl OwnBoxes {
 
     /// Whether the shape may have changed by more than the boxes allow since they were built.
     fn is_outrun(&mut self, body: &Body, time_s: f64) -> bool {
-        // Seen from the body's centre, no node gets further than twice its way; as much again for speeding up.
-        self.spare_m -= 4.0 * fastest_m_s(body) * (time_s - self.time_s);
+        // Half of it for speeding up.
+        self.spare_m -= 2.0 * body.inner_speed_m_s() * (time_s - self.time_s);
         self.time_s = time_s;
         if self.spare_m > 0.0 {
             return false;

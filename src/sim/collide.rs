@@ -158,6 +158,9 @@ fn view(body: &Body) -> BodyView<'_> {
 
 /// Way by which points of two bodies may come nearer to each other in a step, m.
 fn way_m(bodies: &[Body], pair: [usize; 2], step_s: f64) -> f64 {
+    if pair[0] == pair[1] {
+        return step_s * 2.0 * bodies[pair[0]].inner_speed_m_s();
+    }
     step_s * pair.map(|b| fastest_m_s(&bodies[b])).iter().sum::<f64>()
 }
 
