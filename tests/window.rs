@@ -3,7 +3,7 @@
 #![cfg(target_os = "linux")]
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
@@ -63,11 +63,18 @@ impl Drop for Display {
     }
 }
 
-/// Runs the viewer to its end.
+/// Runs the viewer to its end, with nothing remembered.
 fn run_viewer(display: Option<&str>, arguments: &[&str]) -> Output {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    run_viewer_in(folder.path(), display, arguments)
+}
+
+/// Runs the viewer to its end; it remembers its layout in `folder`.
+fn run_viewer_in(folder: &Path, display: Option<&str>, arguments: &[&str]) -> Output {
     let runtime = tempfile::tempdir().expect("a temporary folder");
     let mut command = Command::new(env!("CARGO_BIN_EXE_hammerfall"));
     command.args(arguments).env("XDG_RUNTIME_DIR", runtime.path()).env("HAMMERFALL_GPU", "software");
+    command.env("HAMMERFALL_CONFIG", folder);
     command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");
     if let Some(display) = display {
         command.env("DISPLAY", display);
@@ -115,6 +122,43 @@ fn a_scene_plays_in_a_window_that_is_resized_and_closed() {
     assert_eq!(text(&output.stderr), "");
 }
 
+/// Squeezed to a pixel, minimised, taken off the screen, its graphics device taken away twice.
+#[test]
+fn a_window_that_is_handled_roughly_goes_on() {
+    let Some(display) = Display::start_or_skip() else { return };
+    let arguments = ["view", "bounce", "--quit-after-frames", "42", "--rough"];
+    let output = run_viewer(Some(&display.name), &arguments);
+    let report = text(&output.stdout);
+    assert!(output.status.success(), "{}\n{}", output.status, text(&output.stderr));
+    let (frames, sizes, simulated_s) = numbers(&report);
+    assert_eq!((frames, sizes), (42, 4), "{report}");
+    assert!(report.contains(" 2 recoveries"), "{report}");
+    assert!(simulated_s > 0.0, "{report}");
+    assert_eq!(text(&output.stderr), "");
+}
+
+#[test]
+fn the_layout_is_remembered_and_nonsense_or_a_full_disk_stop_nothing() {
+    let Some(display) = Display::start_or_skip() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("layout.toml");
+    std::fs::write(&file, "is_dark = true\nwindow = [\"wide\"").expect("a file");
+    let arguments = ["view", "--quit-after-frames", "9"];
+    let output = run_viewer_in(folder.path(), Some(&display.name), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let kept = std::fs::read_to_string(&file).expect("the layout is kept");
+    assert!(kept.contains("window = [1100.0, 700.0]") && kept.contains("is_dark = false"), "{kept}");
+    // The last size is the first one of the next time, so that there is one fewer.
+    std::fs::write(&file, kept.replace("is_dark = false", "is_dark = true")).expect("a file");
+    let output = run_viewer_in(folder.path(), Some(&display.name), &arguments);
+    assert_eq!(numbers(&text(&output.stdout)).1, 2, "{}", text(&output.stdout));
+    assert!(std::fs::read_to_string(&file).expect("the layout is kept").contains("is_dark = true"));
+    // Below a file no folder can be made.
+    let output = run_viewer_in(&file.join("folder"), Some(&display.name), &arguments);
+    assert!(output.status.success(), "{}", output.status);
+    assert!(text(&output.stderr).contains("layout cannot be remembered"), "{}", text(&output.stderr));
+}
+
 #[test]
 fn the_gallery_opens_without_a_scene() {
     let Some(display) = Display::start_or_skip() else { return };
@@ -142,6 +186,7 @@ fn without_a_graphics_driver_the_message_names_the_package() {
     let output = Command::new(env!("CARGO_BIN_EXE_hammerfall"))
         .args(["view", "bounce", "--quit-after-frames", "3"])
         .env("DISPLAY", &display.name)
+        .env("HAMMERFALL_CONFIG", &nowhere)
         .env_remove("WAYLAND_DISPLAY")
         .env("VK_DRIVER_FILES", &nowhere)
         .env("VK_ICD_FILENAMES", &nowhere)

@@ -11,13 +11,41 @@ use super::picture_output::{OutputKind, PictureSink};
 use super::scene_source;
 use super::shot::{Shot, Studio};
 use super::stepping::{self, Arrival};
-use crate::export::png::write_png;
+use crate::export::png::{write_png, write_small_png};
 use crate::frame::{ColorBy, Frame};
+use crate::render::UnknownView;
 use crate::sim::World;
-use crate::viewer::window_picture;
-use clap::Args;
+use crate::viewer::{WindowShot, WindowState, window_picture};
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::Instant;
+
+/// What the window is busy with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PanelState {
+    /// The scene between its panels
+    Scene,
+    /// The gallery of scenes
+    Gallery,
+    /// Plots of energy, force and fragments
+    Plots,
+    /// The element in sight that is nearest to failing
+    Element,
+    /// Keys and mouse
+    Help,
+}
+
+impl From<PanelState> for WindowState {
+    fn from(state: PanelState) -> Self {
+        match state {
+            PanelState::Scene => Self::Scene,
+            PanelState::Gallery => Self::Gallery,
+            PanelState::Plots => Self::Plots,
+            PanelState::Element => Self::Element,
+            PanelState::Help => Self::Help,
+        }
+    }
+}
 
 /// Arguments of `render`.
 #[derive(Debug, Args)]
@@ -52,9 +80,18 @@ pub struct RenderArgs {
     /// Draw the edges of the elements
     #[arg(long)]
     pub wireframe: bool,
-    /// Draw the viewer's window with its panels; for a .png
+    /// Draw the viewer's window with its panels, for a .png: the scene, the gallery, plots, the worst element in sight, help
+    #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "scene")]
+    pub panels: Option<PanelState>,
+    /// Scale of text and buttons of the window; with --panels
+    #[arg(long, value_name = "K", value_parser = parse_factor, requires = "panels")]
+    pub scale: Option<f64>,
+    /// Dark surroundings
     #[arg(long)]
-    pub panels: bool,
+    pub dark: bool,
+    /// At most 255 colours, for a small file; with --panels
+    #[arg(long, requires = "panels")]
+    pub few_colors: bool,
     /// Leave out time and slow motion in the corner
     #[arg(long)]
     pub no_caption: bool,
@@ -75,8 +112,8 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
         ));
     }
     let scene = scene_source::load(&args.scene, &common.overrides, console)?;
-    if args.panels {
-        return draw_window(args, common, scene.description.duration_s, console);
+    if let Some(state) = args.panels {
+        return draw_window((args, state), common, scene.description.duration_s, console);
     }
     let shot = Shot::new(args, &scene.description, kind)?;
     let mut world = World::new(scene.setup.clone())?;
@@ -103,7 +140,7 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
 const WINDOW_PX: [u32; 2] = [1280, 800];
 
 fn draw_window(
-    args: &RenderArgs,
+    (args, state): (&RenderArgs, PanelState),
     common: &CommonArgs,
     duration_s: f64,
     console: &Console,
@@ -115,8 +152,22 @@ fn draw_window(
     }
     let size_px = args.size.map_or(WINDOW_PX, |size| [size.width, size.height]);
     let at_s = args.at.or(args.duration).unwrap_or(duration_s);
-    let picture = window_picture(&args.scene, &common.overrides, at_s, size_px).map_err(Failure::Run)?;
-    write_png(&args.output, &picture).map_err(|error| Failure::Run(error.to_string()))?;
+    let camera = args.camera.as_deref().map(str::parse).transpose();
+    let picture = window_picture(&WindowShot {
+        scene: args.scene.clone(),
+        overrides: common.overrides.clone(),
+        at_s,
+        size_px,
+        pixels_per_point: args.scale.unwrap_or(1.0) as f32,
+        state: state.into(),
+        is_dark: args.dark,
+        wireframe: args.wireframe,
+        color_by: args.color_by,
+        camera: camera.map_err(|error: UnknownView| Failure::BadInput(error.to_string()))?,
+    });
+    let picture = picture.map_err(Failure::Run)?;
+    let write = if args.few_colors { write_small_png } else { write_png };
+    write(&args.output, &picture).map_err(|error| Failure::Run(error.to_string()))?;
     console.closing(format_args!("wrote `{}`", args.output.display()))
 }
 

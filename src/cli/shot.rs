@@ -5,7 +5,7 @@ use super::picture_output::OutputKind;
 use super::render::RenderArgs;
 use crate::frame::{ColorBy, Frame};
 use crate::render::{
-    Camera, Caption, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range, View,
+    Background, Camera, Caption, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range, View,
 };
 use crate::scene::SceneDescription;
 use crate::scene::description::Camera as SceneCamera;
@@ -23,6 +23,7 @@ pub struct Shot {
     camera: CameraChoice,
     color_by: ColorBy,
     wireframe: bool,
+    is_dark: bool,
     caption: Option<Caption>,
     /// Width and height, pixels.
     pub size_px: [u32; 2],
@@ -97,6 +98,7 @@ impl Shot {
             camera: choose_camera(args.camera.as_deref(), scene)?,
             color_by: args.color_by.unwrap_or(recording.color_by),
             wireframe: args.wireframe,
+            is_dark: args.dark,
             caption: (!args.no_caption).then_some(caption),
             size_px: args.size.map_or(recording.size_px, |size| [size.width, size.height]),
             fps,
@@ -128,6 +130,7 @@ impl Shot {
                 wireframe: self.wireframe,
                 ground: framing.floor().map_or(Ground::Hidden, Ground::At),
                 caption: self.caption.clone(),
+                background: if self.is_dark { Background::Dark } else { Background::Light },
                 ..View::for_size(self.size_px)
             },
             size_px: self.size_px,

@@ -3,7 +3,7 @@
 use super::args::CommonArgs;
 use super::failure::Failure;
 use crate::scene::Scene;
-use crate::viewer::{ViewerOptions, run as run_viewer};
+use crate::viewer::{ViewerOptions, measure, run as run_viewer};
 use clap::Args;
 
 /// Arguments of `view`.
@@ -14,6 +14,12 @@ pub struct ViewArgs {
     /// For tests: resize the window twice and close it after this many frames
     #[arg(long, value_name = "N", hide = true)]
     pub quit_after_frames: Option<u64>,
+    /// For tests, with `--quit-after-frames`: also squeeze and hide the window and take its graphics device away
+    #[arg(long, hide = true, requires = "quit_after_frames")]
+    pub rough: bool,
+    /// For developers: no window; draw this many frames of one of 1280x720 while the scene runs and say how long they took
+    #[arg(long, value_name = "N", hide = true, requires = "scene", conflicts_with = "quit_after_frames")]
+    pub measure_frames: Option<u32>,
 }
 
 /// Opens the viewer.
@@ -27,10 +33,17 @@ pub fn run(args: &ViewArgs, common: &CommonArgs) -> Result<(), Failure> {
     } else if !common.overrides.is_empty() {
         return Err(Failure::BadInput("`--set` needs a scene: hammerfall view SCENE --set ...".to_owned()));
     }
+    if let Some(frames) = args.measure_frames {
+        let scene = args.scene.as_deref().unwrap_or_default();
+        let report = measure(scene, &common.overrides, frames).map_err(Failure::Run)?;
+        println!("{report}");
+        return Ok(());
+    }
     let options = ViewerOptions {
         scene: args.scene.clone(),
         overrides: common.overrides.clone(),
         quit_after_frames: args.quit_after_frames,
+        is_rough: args.rough,
     };
     run_viewer(options).map_err(|error| Failure::Run(error.to_string()))
 }

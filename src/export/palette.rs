@@ -93,6 +93,11 @@ impl Palette {
         if threshold < found.share { found.other } else { found.main }
     }
 
+    /// The colour of the palette nearest to `color`, an index into it.
+    pub fn nearest(&mut self, color: Rgb) -> u8 {
+        self.matched(color).main
+    }
+
     /// Distance of a colour from the nearest in the palette, weighted channel steps.
     pub fn error(&mut self, color: Rgb) -> f32 {
         self.matched(color).error

@@ -182,13 +182,22 @@ impl Gpu {
         Self::open(&new_instance(), None, choice)
     }
 
-    /// Opens a device that can show on `surface`.
+    /// Opens a device that can show on `surface`, chosen as told.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] and [`GpuError::NoDevice`].
-    pub fn for_surface(instance: &wgpu::Instance, surface: &wgpu::Surface<'_>) -> Result<Self, GpuError> {
-        let choice = AdapterChoice::from_env_or(AdapterChoice::Fastest);
-        Self::open(instance, Some(surface), &choice)
+    pub fn for_surface(
+        instance: &wgpu::Instance,
+        surface: &wgpu::Surface<'_>,
+        choice: &AdapterChoice,
+    ) -> Result<Self, GpuError> {
+        Self::open(instance, Some(surface), choice)
+    }
+
+    /// Takes the device away, as a driver might: to test what becomes of the rest.
+    pub fn lose(&self) {
+        self.fault.put(GpuError::Lost("taken away by a test".to_owned()));
+        self.device.destroy();
     }
 
     fn open(

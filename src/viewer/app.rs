@@ -35,6 +35,22 @@ pub struct Panels {
     pub inspector: bool,
     /// Keys and mouse.
     pub help: bool,
+    /// Width of the left one, points.
+    pub parameters_width: f32,
+    /// Width of the right one, points.
+    pub inspector_width: f32,
+}
+
+impl Default for Panels {
+    fn default() -> Self {
+        Self {
+            parameters: true,
+            inspector: true,
+            help: false,
+            parameters_width: ui::SIDE_WIDTH,
+            inspector_width: ui::SIDE_WIDTH,
+        }
+    }
 }
 
 /// The state of the viewer.
@@ -145,7 +161,7 @@ impl App {
             save: SaveState::default(),
             trouble: None,
             exploded: None,
-            panels: Panels { parameters: true, inspector: true, help: false },
+            panels: Panels::default(),
             is_gallery: true,
             dismissed: 0,
             viewport: None,
@@ -266,6 +282,29 @@ impl App {
         let next = self.sketches.get(self.sketches_drawn)?;
         self.sketches_drawn += 1;
         Some(next)
+    }
+
+    /// Shows this instead, if the simulation stands still.
+    pub fn show_still(&self, snapshot: Snapshot) {
+        self.simulation.show(snapshot);
+    }
+
+    /// Asks the simulation for something, as buttons do.
+    #[cfg(test)]
+    pub fn press_for_test(&mut self, command: Command) {
+        self.simulation.send(command);
+    }
+
+    /// Says that something went wrong in the window itself.
+    pub fn tell(&mut self, text: String) {
+        self.trouble = Some(text);
+    }
+
+    /// The device is another one: pictures on the old one are gone.
+    pub fn forget_graphics(&mut self) {
+        self.picture = None;
+        self.thumbnails.fill(None);
+        self.redraw_thumbnails();
     }
 
     /// Has the thumbnails drawn again, in other light or on another device.

@@ -4,7 +4,7 @@
 //!   window ──events──▶ app ──Command──▶ simulation thread (session: World, history)
 //!     ▲                 ▲ │                      │
 //!     │                 │ └─ui: panels, keys     │ Snapshot (Frame, balances, state)
-//!     └─graphics◀─look, frame                    ▼
+//!     └─stage◀─look, frame                       ▼
 //!                       └──────────────── latest-wins slot
 //! ```
 //!
@@ -16,14 +16,18 @@ mod app;
 mod criterion_edit;
 mod edits;
 mod exploded;
+mod frame_times;
 mod graphics;
 mod history;
 mod inspection;
 mod look;
+mod measure;
+mod off_screen_window;
 mod orbit;
 mod pacing;
 mod pick;
 mod player;
+mod preferences;
 mod recording;
 mod saving;
 mod scene_camera;
@@ -32,6 +36,7 @@ mod simulation;
 mod slot;
 mod smoke;
 mod snapshot;
+mod stage;
 #[cfg(test)]
 mod tests;
 mod thrown;
@@ -40,8 +45,9 @@ mod ui;
 mod window;
 mod window_picture;
 
+pub use measure::measure;
 pub use scene_camera::scene_camera;
-pub use window_picture::window_picture;
+pub use window_picture::{WindowShot, WindowState, window_picture};
 
 use crate::render::GpuError;
 use thiserror::Error;
@@ -57,6 +63,8 @@ pub struct ViewerOptions {
     pub overrides: Vec<String>,
     /// For tests: change the window's size twice, close it after so many frames, and tell about it on stdout.
     pub quit_after_frames: Option<u64>,
+    /// With the above: also squeeze and hide the window and take its graphics device away.
+    pub is_rough: bool,
 }
 
 /// Why there is no window, or no window any more.

@@ -54,11 +54,18 @@ impl Simulation {
 
     /// One that stands still and shows a snapshot for ever, without a thread.
     #[must_use]
-    pub fn still(mut snapshot: Snapshot) -> Self {
+    pub fn still(snapshot: Snapshot) -> Self {
+        let slot = Arc::default();
+        let simulation =
+            Self { commands: channel().0, sent: 0, slot, wants_end: Arc::default(), thread: None };
+        simulation.show(snapshot);
+        simulation
+    }
+
+    /// Shows another snapshot; for one that stands still.
+    pub fn show(&self, mut snapshot: Snapshot) {
         snapshot.commands_done = 0;
-        let slot = Arc::new(LatestSlot::default());
-        slot.put(Arc::new(snapshot));
-        Self { commands: channel().0, sent: 0, slot, wants_end: Arc::default(), thread: None }
+        self.slot.put(Arc::new(snapshot));
     }
 
     /// Sends a command. It never waits.

@@ -1,5 +1,9 @@
 //! The whole window without a screen: real buttons are pressed, real values moved.
 
+mod frame_loop;
+mod layout;
+mod random_input;
+
 use super::app::App;
 use super::simulation::Simulation;
 use super::thumbnails::Sketcher;
@@ -207,18 +211,4 @@ fn a_formula_is_told_where_it_is_wrong_while_it_is_typed() {
     press(&mut window, "Reset to apply the changes  (R)");
     let scene = window.state().snapshot.scene.clone().unwrap();
     assert!(scene.description.materials.iter().any(|material| material.fracture.is_some()));
-}
-
-#[test]
-fn the_window_is_drawn_without_a_screen_and_the_same_each_time() {
-    let draw = || super::window_picture("bounce", &[], 0.05, [900, 600]).unwrap();
-    let picture = draw();
-    assert_eq!((picture.width, picture.height), (900, 600));
-    // Panels at the sides, the scene between them.
-    assert!(picture.rgb_at(300, 560) != picture.rgb_at(450, 150), "nothing is drawn");
-    let is_panel = |x| picture.rgb_at(x, 45).iter().all(|level| *level > 240);
-    assert!(is_panel(4) && is_panel(895) && !is_panel(450));
-    assert_eq!(draw(), picture);
-    let error = super::window_picture("no-such-scene", &[], 0.05, [900, 600]).unwrap_err();
-    assert!(error.contains("no-such-scene"), "{error}");
 }

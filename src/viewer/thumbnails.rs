@@ -63,6 +63,15 @@ impl Sketcher {
         Self { sketches: channel().1, wants_end: Arc::default() }
     }
 
+    /// One that has prepared all of them already.
+    #[must_use]
+    pub fn finished() -> Self {
+        let (sender, sketches) = channel();
+        let wants_end = Arc::new(AtomicBool::new(false));
+        sketch_all(&sender, &wants_end, &|| {});
+        Self { sketches, wants_end }
+    }
+
     /// A finished sketch, if there is a new one.
     #[must_use]
     pub fn next(&self) -> Option<Sketch> {

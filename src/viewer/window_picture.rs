@@ -1,36 +1,76 @@
 //! The window as a picture, without a screen: the same panels over the same scene, and no clock.
 
 use super::app::App;
+use super::off_screen_window::OffScreenWindow;
 use super::pacing::FRAME_S;
+use super::pick::pick;
 use super::session::Session;
 use super::simulation::Simulation;
 use super::snapshot::Command;
 use super::thumbnails::Sketcher;
-use super::ui::style;
-use crate::render::{Gpu, GpuError, OffScreen, Picture};
-use egui::{ColorImage, Context, FullOutput, RawInput, Rect, TextureOptions, pos2};
-use egui_wgpu::{RendererOptions, ScreenDescriptor};
+use super::ui::open_only;
+use crate::frame::ColorBy;
+use crate::render::{GpuError, NamedView, Picture};
+use glam::Vec2;
 
 /// Layouts after which everything has found its place.
 const LAYOUTS: u32 = 4;
+/// Time between them, s: nothing fades in any more.
+const LAYOUT_S: f64 = 1.0;
+/// Places in each direction at which an element is looked for.
+const LOOKS: u32 = 24;
 
-/// Plays a scene up to a time, s, at least, and draws the window of that size then.
+/// What the window is busy with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WindowState {
+    /// The scene between its panels.
+    #[default]
+    Scene,
+    /// The gallery of scenes.
+    Gallery,
+    /// Plots of energy, force and fragments.
+    Plots,
+    /// The element in sight that is nearest to failing, or else the one under the highest stress.
+    Element,
+    /// Keys and mouse.
+    Help,
+}
+
+/// What to draw of the window.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WindowShot {
+    /// Built-in scene or scene file.
+    pub scene: String,
+    /// Its overrides, `path=value`.
+    pub overrides: Vec<String>,
+    /// Plays up to this time, s, at least.
+    pub at_s: f64,
+    /// Width and height, pixels.
+    pub size_px: [u32; 2],
+    /// Scale of the display; 0 stands for 1.
+    pub pixels_per_point: f32,
+    /// What the window is busy with.
+    pub state: WindowState,
+    /// Dark surroundings.
+    pub is_dark: bool,
+    /// Edges of the elements.
+    pub wireframe: bool,
+    /// Meaning of the colours; `None`: what the scene says.
+    pub color_by: Option<ColorBy>,
+    /// From where; `None`: what the scene says.
+    pub camera: Option<NamedView>,
+}
+
+/// Plays a scene and draws the window then.
 ///
 /// # Errors
 /// Why the scene does not open or run, or nothing can be drawn.
-pub fn window_picture(
-    scene: &str,
-    overrides: &[String],
-    at_s: f64,
-    size_px: [u32; 2],
-) -> Result<Picture, String> {
+pub fn window_picture(shot: &WindowShot) -> Result<Picture, String> {
     let mut session = Session::default();
-    let (scene, overrides) = (scene.to_owned(), overrides.to_vec());
+    let (scene, overrides) = (shot.scene.clone(), shot.overrides.clone());
     session.execute(Command::Open { scene, overrides, play: true });
-    play_to(&mut session, at_s)?;
-    let mut app = App::new(Simulation::still(session.snapshot()), Sketcher::idle());
-    app.is_gallery = false;
-    draw(&mut app, size_px).map_err(|error| error.to_string())
+    play_to(&mut session, shot.at_s)?;
+    draw(shot, &mut session).map_err(|error| error.to_string())
 }
 
 /// As on a machine that is always in time.
@@ -57,65 +97,83 @@ fn play_to(session: &mut Session, at_s: f64) -> Result<(), String> {
     }
 }
 
-fn draw(app: &mut App, size_px: [u32; 2]) -> Result<Picture, GpuError> {
-    let gpu = Gpu::headless()?;
-    let mut screen = OffScreen::new(&gpu)?;
-    let context = Context::default();
-    style::install(&context);
-    let mut deltas = Vec::new();
-    let mut layout = |app: &mut App| {
-        let mut output = context.run_ui(input(size_px), |ui| app.update(ui));
-        deltas.push(std::mem::take(&mut output.textures_delta));
-        output
-    };
-    (0..LAYOUTS).for_each(|_| drop(layout(app)));
-    let request = app.picture_request(1.0);
-    let scene = match &request {
-        Some(wanted) => Some(screen.render(wanted.size_px, wanted.frame, &wanted.camera, &wanted.view)?),
-        None => None,
-    };
-    let texture = scene.map(|scene| {
-        let size = [scene.width as usize, scene.height as usize];
-        let image = ColorImage::from_rgba_unmultiplied(size, &scene.rgba);
-        context.load_texture("scene", image, TextureOptions::LINEAR)
-    });
-    app.picture = texture.as_ref().map(egui::TextureHandle::id);
-    let output = layout(app);
-    let background = context.global_style().visuals.panel_fill;
-    screen.draw_by(size_px, |view, format| {
-        let mut painter = egui_wgpu::Renderer::new(&gpu.device, format, RendererOptions::PREDICTABLE);
-        for (id, images) in deltas.iter_mut().flat_map(|delta| delta.set.drain().collect::<Vec<_>>()) {
-            for image in images {
-                painter.update_texture(&gpu.device, &gpu.queue, id, &image);
-            }
-        }
-        paint(&gpu, &mut painter, (view, size_px), (&context, output, background));
-    })
+fn draw(shot: &WindowShot, session: &mut Session) -> Result<Picture, GpuError> {
+    let is_gallery = shot.state == WindowState::Gallery;
+    let sketcher = if is_gallery { Sketcher::finished() } else { Sketcher::idle() };
+    let mut app = App::new(Simulation::still(session.snapshot()), sketcher);
+    app.is_gallery = is_gallery;
+    // Not where this happens to run: the same picture everywhere.
+    app.save.folder = ".".to_owned();
+    app.panels.help = shot.state == WindowState::Help;
+    app.look.is_dark = shot.is_dark;
+    app.look.wireframe = shot.wireframe;
+    let scale = if shot.pixels_per_point > 0.0 { shot.pixels_per_point } else { 1.0 };
+    let mut window = OffScreenWindow::new(app, shot.size_px, scale)?;
+    open_only(&window.context, sections_open(shot.state));
+    window.draw_waiting_pictures()?;
+    lay_out(&mut window)?;
+    choose_look(&mut window.app, shot);
+    if shot.state == WindowState::Element {
+        session.execute(Command::Inspect(worst_in_sight(&window.app)));
+        window.app.show_still(session.snapshot());
+    }
+    lay_out(&mut window)?;
+    let input = window.input(LAYOUT_S, Vec::new());
+    window.picture(input)
 }
 
-fn input([width, height]: [u32; 2]) -> RawInput {
-    RawInput {
-        screen_rect: Some(Rect::from_min_max(pos2(0.0, 0.0), pos2(width as f32, height as f32))),
-        // Nothing here may depend on the clock.
-        time: Some(0.0),
-        ..RawInput::default()
+/// The sections that stay open; `None`: all of them.
+fn sections_open(state: WindowState) -> Option<&'static [&'static str]> {
+    match state {
+        WindowState::Plots => Some(&["Throw and drop", "Contact", "Energy", "Contact force", "Fragments"]),
+        WindowState::Element => Some(&["Throw and drop", "Contact", "Element"]),
+        _ => None,
     }
 }
 
-fn paint(
-    gpu: &Gpu,
-    painter: &mut egui_wgpu::Renderer,
-    (view, size_in_pixels): (&wgpu::TextureView, [u32; 2]),
-    (context, output, background): (&Context, FullOutput, egui::Color32),
-) {
-    let jobs = context.tessellate(output.shapes, 1.0);
-    let screen = ScreenDescriptor { size_in_pixels, pixels_per_point: 1.0 };
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    // Only paint callbacks return command buffers, and there are none here.
-    painter.update_buffers(&gpu.device, &gpu.queue, &mut encoder, &jobs, &screen);
-    let clear = wgpu::LoadOp::Clear(super::graphics::clear_color(background));
-    let mut pass = super::graphics::begin_pass(&mut encoder, view, clear).forget_lifetime();
-    painter.render(&mut pass, &jobs, &screen);
-    drop(pass);
-    gpu.queue.submit([encoder.finish()]);
+fn lay_out(window: &mut OffScreenWindow) -> Result<(), GpuError> {
+    for _ in 0..LAYOUTS {
+        let input = window.input(LAYOUT_S, Vec::new());
+        window.frame(input)?;
+    }
+    Ok(())
+}
+
+/// What a scene says of colours and camera, it says when it opens; this comes after.
+fn choose_look(app: &mut App, shot: &WindowShot) {
+    let frame = app.shown().clone();
+    if let Some(color_by) = shot.color_by {
+        app.look.color_by = color_by;
+        app.look.forget_range();
+        app.look.take_in(&frame);
+    }
+    if let (Some(camera), Some(area)) = (shot.camera, app.viewport) {
+        app.look.look_from(camera, &frame, area.width() / area.height().max(1.0));
+    }
+}
+
+/// Body and element behind the point in sight whose value is the largest.
+fn worst_in_sight(app: &App) -> Option<(usize, u32)> {
+    let aspect = app.viewport.map(|area| area.width() / area.height().max(1.0))?;
+    let places = (0..LOOKS * LOOKS).map(|at| Vec2::new((at % LOOKS) as f32, (at / LOOKS) as f32));
+    let hits = places.filter_map(|place| {
+        let share = (place + 0.5) / LOOKS as f32;
+        let hit = pick(app.drawn(), &app.look.camera.ray_in_world(share, aspect))?;
+        Some((hit.body, hit.element))
+    });
+    hits.max_by(|a, b| value_of(app, *a).total_cmp(&value_of(app, *b)))
+}
+
+/// The failure index of an element at its skin, above all stresses; where nothing can break, the von Mises stress, Pa.
+fn value_of(app: &App, (body, element): (usize, u32)) -> f32 {
+    const ABOVE_STRESSES: f32 = 1e15;
+    let Some(body) = app.drawn().bodies.get(body) else { return 0.0 };
+    let surface = &body.surface;
+    let own = surface.triangles.iter().zip(&surface.triangle_element).filter(|(_, of)| **of == element);
+    let (values, scale) = match body.fields.failure_index.as_slice() {
+        [] => (body.fields.von_mises_pa.as_slice(), 1.0),
+        indices => (indices, ABOVE_STRESSES),
+    };
+    let at = |vertex: &u32| values.get(*vertex as usize).map_or(0.0, |value| value * scale);
+    own.flat_map(|(triangle, _)| triangle.iter().map(at)).fold(0.0, f32::max)
 }

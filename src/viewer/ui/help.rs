@@ -1,7 +1,10 @@
 //! Keys and mouse.
 
 use super::keys::KEYS;
-use egui::{Align2, Context, Grid, RichText, Ui, Window};
+use egui::{Align2, Context, Grid, RichText, ScrollArea, Ui, Window};
+
+/// Height of what is around the text, points.
+const TITLE_AND_MARGINS: f32 = 90.0;
 
 const MOUSE: [(&str, &str); 7] = [
     ("Left drag", "turn"),
@@ -25,12 +28,19 @@ pub fn show(context: &Context, is_open: &mut bool) {
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
         .show(context, |ui| {
-            table(ui, "keys", &KEYS);
-            ui.add_space(10.0);
-            table(ui, "mouse", &MOUSE);
-            ui.add_space(10.0);
-            ui.weak("Values with a unit can be typed: click on them and write, for example, 2.5 GPa.");
+            // A small window scrolls it.
+            let most = (context.content_rect().height() - TITLE_AND_MARGINS).max(80.0);
+            ScrollArea::vertical().max_height(most).show(ui, content);
         });
+}
+
+fn content(ui: &mut Ui) {
+    table(ui, "keys", &KEYS);
+    ui.add_space(10.0);
+    table(ui, "mouse", &MOUSE);
+    ui.add_space(10.0);
+    ui.weak("Values with a unit can be typed: click on them and write, for example, 2.5 GPa.");
+    ui.weak("Ctrl + and Ctrl - make everything larger or smaller, Ctrl 0 as usual. The panels' edges can be dragged.");
 }
 
 fn table(ui: &mut Ui, id: &str, rows: &[(&str, &str)]) {

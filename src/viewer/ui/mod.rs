@@ -21,13 +21,17 @@ mod toolbar;
 mod viewport;
 mod widgets;
 
+pub use widgets::open_only;
+
 use super::app::{App, SaveKind};
 use super::thrown::Throw;
 use crate::render::NamedView;
 use egui::{Panel, Ui};
 
-/// Width of the panels at the sides, points.
-const SIDE_WIDTH: f32 = 264.0;
+/// Width of the panels at the sides when nobody has chosen, and the least, points.
+pub const SIDE_WIDTH: f32 = 264.0;
+/// Width that the panels at the sides leave to the scene, points.
+const LEAST_VIEW_WIDTH: f32 = 320.0;
 
 /// Something a button or a key asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,13 +109,31 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
 fn show_scene(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     Panel::bottom("status").frame(style::bar_frame()).show(ui, |ui| status::show(ui, app));
     Panel::bottom("timeline").frame(style::bar_frame()).show(ui, |ui| timeline::show(ui, app, actions));
-    let frame = style::side_frame();
-    let side = |panel: Panel| panel.frame(frame).resizable(false).exact_size(SIDE_WIDTH);
-    if app.panels.parameters {
-        side(Panel::left("parameters")).show(ui, |ui| parameters::show(ui, app, actions));
+    let panels = app.panels;
+    let count = f32::from(u8::from(panels.parameters) + u8::from(panels.inspector));
+    let most = ((ui.available_width() - LEAST_VIEW_WIDTH) / count.max(1.0)).max(SIDE_WIDTH);
+    let side = |panel: Panel, width: f32| {
+        panel
+            .frame(style::side_frame())
+            .resizable(true)
+            .default_size(width.clamp(SIDE_WIDTH, most))
+            .size_range(SIDE_WIDTH..=most)
+    };
+    if panels.parameters {
+        let shown = side(Panel::left("parameters"), panels.parameters_width)
+            .show(ui, |ui| filled(ui, |ui| parameters::show(ui, app, actions)));
+        app.panels.parameters_width = shown.response.rect.width();
     }
-    if app.panels.inspector {
-        side(Panel::right("inspector")).show(ui, |ui| inspector::show(ui, app, actions));
+    if panels.inspector {
+        let shown = side(Panel::right("inspector"), panels.inspector_width)
+            .show(ui, |ui| filled(ui, |ui| inspector::show(ui, app, actions)));
+        app.panels.inspector_width = shown.response.rect.width();
     }
     egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(ui, app, actions));
+}
+
+/// A panel keeps its width whatever is in it: an empty one would shrink for good.
+fn filled(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    ui.set_min_width(ui.available_width());
+    content(ui);
 }

@@ -3,7 +3,10 @@
 use super::toolbar::speed_text;
 use super::widgets::measured;
 use crate::viewer::app::App;
-use egui::{RichText, Ui};
+use egui::{Color32, RichText, TextStyle, Ui};
+
+/// Between the name of a value and the value, points.
+const LABEL_GAP: f32 = 4.0;
 
 /// Shows the line.
 pub fn show(ui: &mut Ui, app: &App) {
@@ -15,13 +18,23 @@ pub fn show(ui: &mut Ui, app: &App) {
             ui.label(RichText::new(text).small().strong());
         }
         for (label, value, hint) in values(app) {
+            // What does not fit is left out, not cut through.
+            if width_of(ui, label) + width_of(ui, &value) + LABEL_GAP > ui.available_width() {
+                break;
+            }
             ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 4.0;
+                ui.spacing_mut().item_spacing.x = LABEL_GAP;
                 ui.label(RichText::new(label).small().weak()).on_hover_text(hint);
                 ui.label(RichText::new(value).small().strong()).on_hover_text(hint);
             });
         }
     });
+}
+
+/// Width of a small text, points.
+fn width_of(ui: &Ui, text: &str) -> f32 {
+    let font = TextStyle::Small.resolve(ui.style());
+    ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x
 }
 
 fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {

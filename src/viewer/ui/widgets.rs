@@ -2,7 +2,7 @@
 
 use super::style;
 use crate::render::{short, with_unit};
-use egui::{CollapsingHeader, Color32, DragValue, Response, RichText, ScrollArea, Slider, Ui};
+use egui::{CollapsingHeader, Color32, Context, DragValue, Id, Response, RichText, ScrollArea, Slider, Ui};
 use std::ops::RangeInclusive;
 
 /// A value on a slider.
@@ -109,9 +109,20 @@ pub fn side_scroll() -> ScrollArea {
     ScrollArea::vertical().auto_shrink(false).content_margin(bar)
 }
 
+/// Names of the sections that are open at first; none: all.
+#[derive(Clone, Copy, Default)]
+struct OpenAtFirst(Option<&'static [&'static str]>);
+
+/// Has only these sections open at first. Call it before the first layout.
+pub fn open_only(context: &Context, titles: Option<&'static [&'static str]>) {
+    context.data_mut(|data| data.insert_temp(Id::NULL, OpenAtFirst(titles)));
+}
+
 /// A section that can be folded.
 pub fn section(ui: &mut Ui, title: &str, body: impl FnOnce(&mut Ui)) {
-    CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
+    let OpenAtFirst(open) = ui.data(|data| data.get_temp(Id::NULL)).unwrap_or_default();
+    let is_open = open.is_none_or(|open| open.contains(&title));
+    CollapsingHeader::new(RichText::new(title).strong()).default_open(is_open).show_unindented(ui, |ui| {
         ui.add_space(2.0);
         body(ui);
         ui.add_space(8.0);

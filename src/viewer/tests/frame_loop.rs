@@ -1,0 +1,149 @@
+//! The frame loop without a screen: it waits for no simulation, and survives the loss of its device.
+
+use super::TIME_LIMIT;
+use crate::viewer::app::App;
+use crate::viewer::frame_times::FrameTimes;
+use crate::viewer::measure::Turning;
+use crate::viewer::off_screen_window::OffScreenWindow;
+use crate::viewer::pacing::FRAME_S;
+use crate::viewer::simulation::Simulation;
+use crate::viewer::snapshot::Command;
+use crate::viewer::thumbnails::Sketcher;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// A block of 55,566 elements that hits the ground.
+const LARGE: &str = r#"
+title = "A large block"
+
+[materials.block]
+density = 1100
+youngs_modulus = 8e5
+poisson_ratio = 0.4
+
+[ground]
+size = 3.0
+
+[[bodies]]
+name = "block"
+shape = { type = "box", size = [0.6, 0.6, 0.6], cells = 21, split = "six" }
+material = "block"
+on = "ground"
+gap = 1e-4
+velocity = [0, 0, -3]
+
+[time]
+duration = 1.0
+"#;
+const SIZE_PX: [u32; 2] = [640, 420];
+
+fn open(simulation: Simulation, scene: &str) -> OffScreenWindow {
+    let mut app = App::new(simulation, Sketcher::idle());
+    app.open(scene, &[]);
+    let mut window = OffScreenWindow::new(app, SIZE_PX, 1.0).unwrap();
+    wait(&mut window, "the scene", |app| app.snapshot.scene.is_some() && !app.is_waiting());
+    window
+}
+
+fn wait(window: &mut OffScreenWindow, what: &str, is_so: impl Fn(&App) -> bool) {
+    let asked = Instant::now();
+    while !is_so(&window.app) {
+        let input = window.input(FRAME_S, Vec::new());
+        window.frame(input).unwrap();
+        std::thread::sleep(Duration::from_millis(2));
+        assert!(asked.elapsed() < TIME_LIMIT, "waited in vain: {what}; told: {:?}", window.app.notice());
+    }
+}
+
+fn frames(window: &mut OffScreenWindow, turning: &mut Turning, count: u32) -> FrameTimes {
+    let mut times = FrameTimes::default();
+    (0..count).for_each(|_| times.note(turning.frame(window).unwrap()));
+    times
+}
+
+/// The figure in ms is that of `hammerfall view SCENE --measure-frames N`; here only what holds on a busy machine too:
+/// the same frames with and without a simulation beside them.
+#[test]
+fn the_window_answers_while_fifty_thousand_elements_are_simulated() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("large.toml");
+    std::fs::write(&path, LARGE).unwrap();
+    let simulation = Simulation::start(Box::new(|| {})).unwrap();
+    let mut window = open(simulation, path.to_str().unwrap());
+    let mut turning = Turning::new(SIZE_PX);
+    wait(&mut window, "time", |app| app.snapshot.frame.status.steps > 2);
+    assert!(window.app.snapshot.frame.status.elements >= 50_000);
+    frames(&mut window, &mut turning, 5);
+    let steps = window.app.snapshot.frame.status.steps;
+    let running = frames(&mut window, &mut turning, 40);
+    assert!(window.app.snapshot.is_playing && window.app.snapshot.frame.status.steps > steps);
+    window.app.press_for_test(Command::Pause);
+    wait(&mut window, "the pause", |app| !app.snapshot.is_playing && !app.is_waiting());
+    let paused = frames(&mut window, &mut turning, 40);
+    println!("50,000 elements: running, {running}; paused, {paused}");
+    // Two threads share the cores then, and each new moment has to be drawn anew; waiting for steps would add up to
+    // the tenths of a second that lie between two moments.
+    assert!(running.within(0.5) < 6 * paused.within(0.5), "running, {running}; paused, {paused}");
+}
+
+/// Whatever the simulation's thread is busy with, even for ever, frames go on and commands are taken.
+#[test]
+fn frames_go_on_while_the_simulation_answers_nothing() {
+    let is_held = Arc::new(AtomicBool::new(false));
+    let held = is_held.clone();
+    let hold = move || {
+        while held.load(Ordering::Relaxed) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    };
+    let mut window = open(Simulation::start(Box::new(hold)).unwrap(), "bounce");
+    let mut turning = Turning::new(SIZE_PX);
+    is_held.store(true, Ordering::Relaxed);
+    // This one the thread still carries out; then it is held.
+    window.app.press_for_test(Command::Step);
+    let before = window.app.look.camera;
+    for _ in 0..20 {
+        window.app.press_for_test(Command::SetSpeed(0.1));
+        turning.frame(&mut window).unwrap();
+    }
+    assert!(window.app.is_waiting(), "the thread was not held");
+    assert_ne!(window.app.look.camera, before, "the mouse turns nothing");
+    is_held.store(false, Ordering::Relaxed);
+    wait(&mut window, "an answer", |app| !app.is_waiting());
+    assert!((window.app.snapshot.speed - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn a_lost_device_is_opened_anew_and_nothing_of_the_scene_is_lost() {
+    let mut window = open(Simulation::start(Box::new(|| {})).unwrap(), "bounce");
+    let moments = |app: &App| app.snapshot.recording.moments().len();
+    wait(&mut window, "a recording", |app| moments(app) > 10);
+    let before = (moments(&window.app), window.app.snapshot.frame.time_s, window.app.look.camera);
+    window.lose_device();
+    let input = window.input(FRAME_S, Vec::new());
+    let error = window.frame(input).unwrap_err();
+    assert!(matches!(error, crate::render::GpuError::Lost(_)), "{error}");
+    // Lost for good: so is the next frame, and still nothing panics.
+    let input = window.input(FRAME_S, Vec::new());
+    assert!(window.frame(input).is_err());
+    window.recover().unwrap();
+    wait(&mut window, "more", |app| moments(app) > before.0 && app.snapshot.frame.time_s > before.1);
+    assert_eq!(window.app.look.camera, before.2);
+    let input = window.input(FRAME_S, Vec::new());
+    let picture = window.picture(input).unwrap();
+    let [x, y] = [picture.width / 2, picture.height / 2];
+    assert!(picture.rgb_at(x, y) != picture.rgb_at(4, 60), "nothing is drawn");
+}
+
+#[test]
+fn a_window_without_size_is_laid_out_and_not_drawn() {
+    let mut window = open(Simulation::start(Box::new(|| {})).unwrap(), "bounce");
+    for size_px in [[0, 0], [0, 300], [300, 0], [1, 1], SIZE_PX] {
+        window.size_px = size_px;
+        for _ in 0..3 {
+            let input = window.input(FRAME_S, Vec::new());
+            window.frame(input).unwrap();
+        }
+    }
+}
