@@ -22,7 +22,22 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("render", &["math", "frame"]),
     ("verify", &["math", "mesh", "fem", "contact", "fracture", "frame", "sim", "scene"]),
     ("export", &["math", "mesh", "fracture", "frame", "io_reason", "sim", "scene", "render"]),
-    ("viewer", &["math", "mesh", "fem", "contact", "fracture", "frame", "sim", "scene", "render", "export"]),
+    (
+        "viewer",
+        &[
+            "math",
+            "mesh",
+            "fem",
+            "contact",
+            "fracture",
+            "frame",
+            "io_reason",
+            "sim",
+            "scene",
+            "render",
+            "export",
+        ],
+    ),
     (
         "cli",
         &[
