@@ -41,6 +41,45 @@ pub struct VertexFields {
     pub failure_index: Vec<f32>,
 }
 
+/// The tetrahedra of a body; shared between frames until the topology changes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InteriorTopology {
+    /// Tetrahedra, corner indices into [`Interior::positions_m`].
+    pub tets: Vec<[u32; 4]>,
+    /// Colour group of each tetrahedron: an index into [`BodyFrame::palette_srgb`].
+    pub element_material: Vec<u32>,
+    /// Fragment that each tetrahedron belongs to; empty where nothing breaks.
+    pub element_fragment: Vec<u32>,
+}
+
+/// What is inside a body: to be cut open, and to show stresses with their directions.
+#[derive(Clone, Debug, Default)]
+pub struct Interior {
+    /// Tetrahedra.
+    pub topology: Arc<InteriorTopology>,
+    /// World positions of all nodes, metres.
+    pub positions_m: Vec<[f32; 3]>,
+    /// Values at all nodes.
+    pub fields: VertexFields,
+    /// Cauchy stress of each tetrahedron, Pa, tension positive: xx, yy, zz, xy, yz, zx.
+    pub stress_pa: Vec<[f32; 6]>,
+}
+
+/// Principal stresses at a place, to be drawn as a cross of three lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StressCross {
+    /// World position, metres.
+    pub position_m: [f32; 3],
+    /// Unit normal of the surface or section it lies on.
+    pub normal: [f32; 3],
+    /// Unit principal directions.
+    pub directions: [[f32; 3]; 3],
+    /// Principal stresses in these directions, Pa, tension positive.
+    pub principal_pa: [f32; 3],
+    /// Room for it: distance to its neighbours, metres.
+    pub room_m: f32,
+}
+
 /// How a body takes part, which pictures may show (the ground is drawn more quietly).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BodyRole {
@@ -68,6 +107,8 @@ pub struct BodyFrame {
     pub positions_m: Vec<[f32; 3]>,
     /// Values to colour by; each vector is as long as `positions_m`.
     pub fields: VertexFields,
+    /// What is inside; only when it was asked for, since it takes more memory than the surface.
+    pub interior: Option<Arc<Interior>>,
 }
 
 /// A place where bodies press on each other, for drawing contact marks.
@@ -109,10 +150,40 @@ pub struct Frame {
     pub bodies: Vec<BodyFrame>,
     /// Contacts of the last step.
     pub contacts: Vec<ContactMark>,
+    /// Stress crosses; only when they were asked for.
+    pub crosses: Vec<StressCross>,
     /// Whether there is no gravity, so that nothing stands on a floor.
     pub is_weightless: bool,
     /// Numbers for captions.
     pub status: FrameStatus,
+}
+
+impl VertexFields {
+    /// All fields, in a fixed order, to be treated alike.
+    pub fn all(&self) -> [&Vec<f32>; 7] {
+        [
+            &self.speed_m_s,
+            &self.displacement_m,
+            &self.von_mises_pa,
+            &self.max_principal_pa,
+            &self.min_principal_pa,
+            &self.mean_stress_pa,
+            &self.failure_index,
+        ]
+    }
+
+    /// As [`VertexFields::all`], to be changed.
+    pub fn all_mut(&mut self) -> [&mut Vec<f32>; 7] {
+        [
+            &mut self.speed_m_s,
+            &mut self.displacement_m,
+            &mut self.von_mises_pa,
+            &mut self.max_principal_pa,
+            &mut self.min_principal_pa,
+            &mut self.mean_stress_pa,
+            &mut self.failure_index,
+        ]
+    }
 }
 
 impl Frame {

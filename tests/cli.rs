@@ -153,6 +153,9 @@ fn help_names_every_command_option_and_status() {
         "--camera",
         "--color-by",
         "--wireframe",
+        "--cut",
+        "--crosses",
+        "--color-range",
         "von-mises",
         "--set",
     ] {
@@ -178,6 +181,10 @@ fn bad_usage_is_status_2_and_says_what_is_expected() {
         ("run cubes.toml -o d --threads 0", "1..=1024"),
         ("render cubes.toml -o a.gif --size 960", "960x540"),
         ("render cubes.toml -o a.gif --color-by stres", "von-mises"),
+        ("render cubes.toml -o a.gif --cut w", "1,0,2"),
+        ("render cubes.toml -o a.gif --cut -z=far", "50mm"),
+        ("render cubes.toml -o a.gif --color-by speed --color-range 2..1", "below the upper"),
+        ("render cubes.toml -o a.gif --color-range 0..1", "--color-by"),
         ("render cubes.toml -o a.gif --camera nowhere", "three-quarter"),
         ("render cubes.toml -o a.mp4", ".mp4"),
         ("render cubes.toml -o a.gif --at 0.1", "--at"),
@@ -495,6 +502,7 @@ fn wait(mut child: Child) -> Output {
 fn a_moment_is_rendered_to_a_png() {
     let place = Place::new();
     place.succeed("render cubes.toml -o new/folder/one.png --at 50ms --color-by speed --wireframe");
+    place.succeed("render cubes.toml -o cut.png --at 50ms --color-by mean-stress --color-range -2kPa..2kPa --cut -y --crosses");
     let picture = image::open(place.path().join("new/folder/one.png")).unwrap().to_rgb8();
     assert_eq!(picture.dimensions(), (96, 64));
     let first = picture.get_pixel(0, 0);

@@ -14,6 +14,8 @@
 mod compare;
 #[path = "pictures/files.rs"]
 mod files;
+#[path = "pictures/inside.rs"]
+mod inside;
 #[path = "pictures/scenes.rs"]
 mod scenes;
 #[path = "pictures/shapes.rs"]

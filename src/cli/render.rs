@@ -7,13 +7,14 @@ use super::args::{CommonArgs, Size, parse_color_by, parse_duration, parse_factor
 use super::console::{Console, seconds};
 use super::failure::Failure;
 use super::interrupt;
+use super::looking::{CutChoice, parse_cut};
 use super::picture_output::{OutputKind, PictureSink};
 use super::scene_source;
 use super::shot::{Shot, Studio};
 use super::stepping::{self, Arrival};
 use crate::export::png::{write_png, write_small_png};
 use crate::frame::{ColorBy, Frame};
-use crate::render::UnknownView;
+use crate::render::{Framing, UnknownView};
 use crate::sim::World;
 use crate::viewer::{WindowShot, WindowState, window_picture};
 use clap::{Args, ValueEnum};
@@ -77,6 +78,20 @@ pub struct RenderArgs {
     /// Colour by: material, body, speed, displacement, von-mises, max-principal, min-principal, mean-stress
     #[arg(long, value_name = "FIELD", value_parser = parse_color_by)]
     pub color_by: Option<ColorBy>,
+    /// Ends of the colour map in the field's unit, for example 0..2MPa; by default all of the values
+    #[arg(long, value_name = "MIN..MAX", allow_hyphen_values = true, conflicts_with = "panels")]
+    pub color_range: Option<String>,
+    /// Cut the bodies open and show their inside; what lies beyond the plane in this direction is left out
+    ///
+    /// DIRECTION is x, y, z, -x, -y, -z or three numbers such as 1,0,2. PLACE is metres along it from the origin, for
+    /// example 0.05 or 50mm; without it the plane goes through the middle of the bodies at the first picture. Fixed
+    /// bodies stay whole.
+    #[arg(long, value_name = "DIRECTION[=PLACE]", value_parser = parse_cut, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "panels")]
+    pub cut: Option<CutChoice>,
+    /// Draw the principal stresses as crosses, on the surface or, with --cut, on the section
+    #[arg(long, conflicts_with = "panels")]
+    pub crosses: bool,
     /// Draw the edges of the elements
     #[arg(long)]
     pub wireframe: bool,
@@ -123,12 +138,12 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
     interrupt::listen()?;
 
     let started = Instant::now();
-    let (frames, simulated) = simulate(&mut world, &shot, console);
+    let (film, simulated) = simulate(&mut world, &shot, console);
     let simulated_in_s = started.elapsed().as_secs_f64();
-    let drawn = draw(&frames, &shot, &mut studio, sink, console);
+    let drawn = draw(&film, &shot, &mut studio, sink, console);
     Report {
         args,
-        frames: frames.len(),
+        frames: film.frames.len(),
         time_s: world.time_s(),
         simulated_in_s,
         drawn_in_s: started.elapsed().as_secs_f64() - simulated_in_s,
@@ -171,9 +186,19 @@ fn draw_window(
     console.closing(format_args!("wrote `{}`", args.output.display()))
 }
 
+/// What was simulated.
+#[derive(Default)]
+struct Film {
+    /// As they are drawn.
+    frames: Vec<Frame>,
+    /// Room that the bodies need, also where they are cut away.
+    framing: Framing,
+}
+
 /// The frames up to the end, or to where the run failed or was interrupted.
-fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Vec<Frame>, Result<Arrival, Failure>) {
-    let mut frames = Vec::new();
+fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Film, Result<Arrival, Failure>) {
+    let mut film = Film::default();
+    let mut looking = shot.looking();
     let mut progress = console.progress(shot.end_s());
     for moment_s in shot.moments_s() {
         let arrival = stepping::advance(world, moment_s, |_, step| {
@@ -181,19 +206,21 @@ fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Vec<Frame>, R
             Ok(())
         });
         if !matches!(arrival, Ok(Arrival::Reached)) {
-            return (frames, arrival);
+            return (film, arrival);
         }
         if let Err(failure) = stepping::sound_sample(world) {
-            return (frames, Err(failure));
+            return (film, Err(failure));
         }
-        frames.push(world.publish());
+        let frame = if looking.needs_interior() { world.publish_with_interior() } else { world.publish() };
+        film.framing.include(&frame);
+        film.frames.push(looking.look(frame));
     }
-    (frames, Ok(Arrival::Reached))
+    (film, Ok(Arrival::Reached))
 }
 
 /// Draws the frames; gives how many were finished.
 fn draw(
-    frames: &[Frame],
+    film: &Film,
     shot: &Shot,
     studio: &mut Studio,
     mut sink: PictureSink,
@@ -202,11 +229,12 @@ fn draw(
     // A wish to stop during the simulation still gets the frames that were simulated; only one
     // during drawing stops that.
     let stopped_before = interrupt::requested();
+    let frames = film.frames.as_slice();
     if frames.is_empty() {
         return Ok(0);
     }
     let mut progress = console.progress(frames.len() as f64);
-    let setting = shot.setting(frames);
+    let setting = shot.setting(frames, &film.framing);
     sink.begin(|| samples(frames).map(|frame| studio.draw(frame, &setting)).collect())?;
     let mut finished = 0;
     for frame in frames {

@@ -1,11 +1,13 @@
 //! What `render` shows: which moments, from where, in which colours.
 
 use super::failure::Failure;
+use super::looking::{Looking, color_range};
 use super::picture_output::OutputKind;
 use super::render::RenderArgs;
 use crate::frame::{ColorBy, Frame};
 use crate::render::{
     Background, Camera, Caption, Framing, Gpu, GpuError, Ground, NamedView, OffScreen, Picture, Range, View,
+    cross_scale_pa,
 };
 use crate::scene::SceneDescription;
 use crate::scene::description::Camera as SceneCamera;
@@ -22,6 +24,9 @@ pub struct Shot {
     moments: Moments,
     camera: CameraChoice,
     color_by: ColorBy,
+    /// Ends of the colour map, if somebody chose them.
+    range: Option<Range>,
+    looking: Looking,
     wireframe: bool,
     is_dark: bool,
     caption: Option<Caption>,
@@ -93,10 +98,14 @@ impl Shot {
             slow_motion: (kind != OutputKind::Png).then_some(slow_motion),
             text: String::new(),
         };
+        let color_by = args.color_by.unwrap_or(recording.color_by);
+        let range = args.color_range.as_deref().map(|text| color_range(text, color_by)).transpose()?;
         Ok(Self {
             moments,
             camera: choose_camera(args.camera.as_deref(), scene)?,
-            color_by: args.color_by.unwrap_or(recording.color_by),
+            color_by,
+            range,
+            looking: Looking::new(args.cut, args.crosses),
             wireframe: args.wireframe,
             is_dark: args.dark,
             caption: (!args.no_caption).then_some(caption),
@@ -116,17 +125,21 @@ impl Shot {
         self.moments.time_s(self.moments.count() - 1)
     }
 
+    /// How the frames are looked into, from the first one on.
+    pub fn looking(&self) -> Looking {
+        self.looking.clone()
+    }
+
     /// Camera, floor and colours that serve all the frames.
-    pub fn setting(&self, frames: &[Frame]) -> Setting {
-        let mut framing = Framing::default();
-        frames.iter().for_each(|frame| framing.include(frame));
+    pub fn setting(&self, frames: &[Frame], framing: &Framing) -> Setting {
         let [width, height] = self.size_px;
-        let range = self.color_by.has_values().then(|| Range::of_frames(frames, self.color_by));
+        let own_range = || self.color_by.has_values().then(|| Range::of_frames(frames, self.color_by));
         Setting {
-            camera: self.camera.resolve(&framing, width as f32 / height as f32),
+            camera: self.camera.resolve(framing, width as f32 / height as f32),
             view: View {
                 color_by: self.color_by,
-                range,
+                range: self.range.or_else(own_range),
+                cross_scale_pa: cross_scale_pa(frames),
                 wireframe: self.wireframe,
                 ground: framing.floor().map_or(Ground::Hidden, Ground::At),
                 caption: self.caption.clone(),

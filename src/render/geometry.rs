@@ -2,6 +2,7 @@
 
 use crate::frame::{BodyFrame, BodyRole, ColorBy, Frame, SurfaceTopology};
 use crate::render::color_map::{body_srgb, to_byte};
+use crate::render::crosses::cross_vertices;
 use crate::render::range::Range;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -36,11 +37,16 @@ const FIXED_GREY: f32 = 0.62;
 const CRACK_SRGB: [f32; 3] = [0.96, 0.53, 0.24];
 const CRACK_SHARE: f32 = 0.72;
 
+/// Position on the colour map of what is drawn in its base colour.
+pub const NO_VALUE: f32 = -1.0;
+
 /// All triangles of a frame and their extent.
 #[derive(Debug, Default)]
 pub struct Geometry {
     /// Three for each triangle.
     pub vertices: Vec<SurfaceVertex>,
+    /// The first so many are of bodies and cast shadows; the rest are marks.
+    pub of_bodies: usize,
     /// Smallest and largest coordinates, metres; `None` without triangles.
     pub bounds_m: Option<(Vec3, Vec3)>,
     /// Root mean square distance of a body's surface vertices from their centre, the largest of
@@ -56,6 +62,8 @@ pub struct Coloring {
     pub color_by: ColorBy,
     /// Ends of the colour map; not used for colours without values.
     pub range: Range,
+    /// Stress of the longest line of the stress crosses, Pa; without it these are not drawn.
+    pub cross_scale_pa: Option<f32>,
 }
 
 /// Builds geometry frame after frame, and remembers what depends on topology only.
@@ -80,6 +88,10 @@ impl GeometryBuilder {
             let (part, others) = rest.split_at_mut(3 * body.frame.surface.triangles.len());
             body.fill(&mut self.topologies[index], part);
             rest = others;
+        }
+        self.geometry.of_bodies = corners;
+        if let Some(scale_pa) = coloring.cross_scale_pa {
+            self.geometry.vertices.extend(cross_vertices(&frame.crosses, scale_pa));
         }
         self.geometry.bounds_m = bounds_m(frame, &shown);
         self.geometry.body_radius_m = largest_radius_m(frame, &shown);
@@ -256,7 +268,7 @@ impl<'a> Painter<'a> {
     fn map_position(&self, vertex: u32) -> f32 {
         self.values
             .and_then(|values| values.get(vertex as usize))
-            .map_or(-1.0, |value| self.range.position(*value))
+            .map_or(NO_VALUE, |value| self.range.position(*value))
     }
 
     fn color_and_gloss(&self, triangle: usize) -> [u8; 4] {
@@ -294,7 +306,7 @@ fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
     std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
 }
 
-fn to_signed_normalized(value: f32) -> i16 {
+pub fn to_signed_normalized(value: f32) -> i16 {
     (value.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16
 }
 
@@ -343,7 +355,7 @@ mod tests {
     }
 
     fn coloring(color_by: ColorBy) -> Coloring {
-        Coloring { color_by, range: Range { low: 0.0, high: 2.0 } }
+        Coloring { color_by, range: Range { low: 0.0, high: 2.0 }, cross_scale_pa: None }
     }
 
     fn normals_along_hinge(frame: &Frame) -> [[i16; 4]; 2] {

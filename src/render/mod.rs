@@ -10,6 +10,8 @@
 //! [`Renderer`] draws into a rectangle of any texture; [`OffScreen`] owns one and reads it back.
 //! Lighting is computed in linear colour; the finished bytes are sRGB, the same in both cases.
 //!
+//! [`look_inside`] makes a frame with its bodies cut open and with stress crosses of one that has an interior.
+//!
 //! [`paint`] draws diagrams, flat and without a GPU.
 //!
 //! The GPU half of `x_pass.rs` is `shaders/x_pass.wgsl`.
@@ -41,6 +43,7 @@ mod camera;
 mod canvas;
 mod color_map;
 mod compose_pass;
+mod crosses;
 mod depth_pass;
 mod floor_blur_pass;
 mod floor_light_pass;
@@ -53,6 +56,7 @@ mod off_screen;
 mod overlay;
 mod range;
 mod renderer;
+mod section;
 mod surface_pass;
 mod theme;
 mod view;
@@ -60,11 +64,13 @@ mod view;
 pub use camera::{Camera, NamedView, Ray, UnknownView};
 pub use canvas::paint;
 pub use color_map::{ColorMap, body_srgb};
+pub use crosses::{cross_scale_pa, look_inside};
 pub use framing::{Floor, Framing};
 pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};
 pub use off_screen::{OffScreen, Picture};
-pub use range::{Range, short, si_prefix, with_unit};
+pub use range::{Range, parse_with_unit, short, si_prefix, with_unit};
 pub use renderer::{Renderer, Target};
+pub use section::Cut;
 pub use view::{Background, Caption, Ground, View};
 
 #[cfg(test)]

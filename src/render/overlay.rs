@@ -2,6 +2,7 @@
 
 use crate::frame::ColorBy;
 use crate::render::color_map::ColorMap;
+use crate::render::crosses::{COMPRESSION_SRGB, TENSION_SRGB};
 use crate::render::gpu::Gpu;
 use crate::render::range::{Range, short, si_prefix, with_unit};
 use crate::render::theme::Theme;
@@ -34,6 +35,8 @@ pub(crate) struct OverlayContent<'a> {
     pub view: &'a View,
     pub time_s: f64,
     pub range: Option<Range>,
+    /// Stress of the longest line of the stress crosses, Pa.
+    pub cross_scale_pa: Option<f32>,
 }
 
 /// The egui context and its renderer; both live as long as the pictures go on.
@@ -117,6 +120,9 @@ fn draw(painter: &Painter, area: Rect, content: &OverlayContent<'_>) {
     if let (true, Some(range)) = (content.view.legend && has_room, content.range) {
         draw_legend(painter, area, content.view.color_by, range, &theme);
     }
+    if let (true, Some(scale_pa)) = (content.view.legend && has_room, content.cross_scale_pa) {
+        draw_cross_legend(painter, area, scale_pa, &theme);
+    }
     if let Some(caption) = &content.view.caption {
         draw_caption(painter, area, &caption_lines(caption, content.time_s), &theme);
     }
@@ -182,6 +188,26 @@ fn draw_legend(painter: &Painter, area: Rect, color_by: ColorBy, range: Range, t
         let y = bar.bottom() - range.position(tick) * bar.height();
         let text = short(f64::from(tick) / factor);
         draw_tick(painter, pos2(bar.left(), y), text, theme);
+    }
+}
+
+/// What the lines of the stress crosses mean, in the lower right corner, from right to left.
+fn draw_cross_legend(painter: &Painter, area: Rect, scale_pa: f32, theme: &Theme) {
+    const SAMPLE: f32 = 16.0;
+    let mut at = area.right_bottom() - vec2(MARGIN, MARGIN);
+    let write = |at: &mut Pos2, text: &str| {
+        let font = FontId::proportional(TEXT_SIZE);
+        let drawn = painter.text(*at, Align2::RIGHT_BOTTOM, text, font, rgb(theme.text_srgb));
+        at.x = drawn.left() - 5.0;
+        drawn.center().y
+    };
+    write(&mut at, &format!("  longest {}", with_unit(f64::from(scale_pa), "Pa")));
+    for (text, srgb) in [("compression ", COMPRESSION_SRGB), ("tension ", TENSION_SRGB)] {
+        let y = write(&mut at, text);
+        let [r, g, b] = srgb.map(crate::render::color_map::to_byte);
+        let stroke = Stroke::new(3.0, Color32::from_rgb(r, g, b));
+        painter.line_segment([pos2(at.x - SAMPLE, y), pos2(at.x, y)], stroke);
+        at.x -= SAMPLE + 10.0;
     }
 }
 

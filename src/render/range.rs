@@ -46,6 +46,22 @@ impl Range {
         position.clamp(0.0, 1.0)
     }
 
+    /// A range that somebody chose.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub fn chosen(low: f64, high: f64) -> Result<Self, &'static str> {
+        // The colour map works with single precision.
+        let (low, high) = (low as f32, high as f32);
+        if !(low.is_finite() && high.is_finite() && (high - low).is_finite()) {
+            return Err("both ends must be finite numbers");
+        }
+        if low >= high {
+            return Err("the lower end must be below the upper one");
+        }
+        Ok(Self { low, high })
+    }
+
     fn up_to(peak: f32, color_by: ColorBy) -> Self {
         let high = round_up(peak);
         Self { low: if color_by.is_signed() { -high } else { 0.0 }, high }
@@ -100,7 +116,7 @@ fn peak(frame: &Frame, color_by: ColorBy) -> f32 {
 }
 
 /// The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten, at or above `value`; 1 for zero.
-fn round_up(value: f32) -> f32 {
+pub(crate) fn round_up(value: f32) -> f32 {
     if !(value.is_finite() && value > f32::MIN_POSITIVE) {
         return 1.0;
     }
@@ -157,6 +173,29 @@ pub fn short(value: f64) -> String {
     format!("{sign}{text}")
 }
 
+/// Reads a value: `15e6`, `15 M`, `15 MPa` or `15 µs`.
+#[must_use]
+pub fn parse_with_unit(text: &str, unit: &str) -> Option<f64> {
+    const PREFIXES: [(&str, f64); 10] = [
+        ("T", 1e12),
+        ("G", 1e9),
+        ("M", 1e6),
+        ("k", 1e3),
+        ("m", 1e-3),
+        ("µ", 1e-6),
+        ("μ", 1e-6),
+        ("u", 1e-6),
+        ("n", 1e-9),
+        ("", 1.0),
+    ];
+    let text = text.trim().replace('−', "-").replace(',', ".");
+    let bare = text.strip_suffix(unit).unwrap_or(&text).trim_end();
+    PREFIXES.into_iter().find_map(|(prefix, factor)| {
+        let number = bare.strip_suffix(prefix)?.trim_end().parse::<f64>().ok()?;
+        Some(number * factor).filter(|value| value.is_finite())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,12 +207,42 @@ mod tests {
     }
 
     #[test]
+    fn typed_values_may_have_prefix_and_unit() {
+        let cases = [
+            ("15e6", 15e6),
+            ("15 MPa", 15e6),
+            ("15M", 15e6),
+            ("2,5 GPa", 2.5e9),
+            ("200 kPa", 200e3),
+            ("12 Pa", 12.0),
+            ("0", 0.0),
+        ];
+        for (text, value) in cases {
+            assert_eq!(parse_with_unit(text, "Pa"), Some(value), "{text}");
+        }
+        assert_eq!(parse_with_unit("3 m", "m"), Some(3.0));
+        assert_eq!(parse_with_unit("3 mm", "m"), Some(3e-3));
+        assert_eq!(parse_with_unit("0.3", ""), Some(0.3));
+        for text in ["", "Pa", "x", "1 2", "inf"] {
+            assert_eq!(parse_with_unit(text, "Pa"), None, "{text}");
+        }
+    }
+
+    #[test]
     fn automatic_range_is_round_and_covers_the_values() {
         let frame = frame_with_speeds(vec![0.0, 3.7, 2.0]);
         let range = Range::of_frame(&frame, ColorBy::Speed);
         assert_eq!((range.low, range.high), (0.0, 4.0));
         let signed = Range::of_frame(&frame, ColorBy::MaxPrincipal);
         assert_eq!((signed.low, signed.high), (-4.0, 4.0));
+    }
+
+    #[test]
+    fn chosen_ranges_have_two_different_finite_ends() {
+        assert_eq!(Range::chosen(-2e6, 3e6), Ok(Range { low: -2e6, high: 3e6 }));
+        for [low, high] in [[1.0, 1.0], [2.0, 1.0], [0.0, f64::NAN], [0.0, 1e300], [1.0, 1.0 + 1e-12]] {
+            assert!(Range::chosen(low, high).is_err(), "{low} {high}");
+        }
     }
 
     #[test]

@@ -139,15 +139,21 @@ impl Renderer {
         self.gpu.check_size(target.size_px)?;
         let floor = floor_of(frame, view);
         let range = view.range_for(frame);
-        let count = self.upload(frame, floor, view, range)?;
+        let cross_scale_pa = view.cross_scale_for(frame);
+        let coloring = Coloring {
+            color_by: view.color_by,
+            range: range.unwrap_or(Range { low: 0.0, high: 1.0 }),
+            cross_scale_pa,
+        };
+        let count = self.upload(frame, floor, coloring)?;
         let fits = self.fits(floor);
         self.write_uniforms(target, camera, view, &fits);
         self.fit_textures(target.size_px);
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.draw_light(&mut encoder, &fits, count);
+        self.draw_light(&mut encoder, &fits);
         self.draw_scene(&mut encoder, &fits, count);
-        let content = OverlayContent { view, time_s: frame.time_s, range };
+        let content = OverlayContent { view, time_s: frame.time_s, range, cross_scale_pa };
         self.draw_on_target(&mut encoder, target, &content);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.check().inspect_err(|_| {
@@ -157,15 +163,7 @@ impl Renderer {
     }
 
     /// Brings the frame's triangles to the GPU; returns the number of vertices.
-    fn upload(
-        &mut self,
-        frame: &Frame,
-        floor: Option<Floor>,
-        view: &View,
-        range: Option<Range>,
-    ) -> Result<u32, GpuError> {
-        let coloring =
-            Coloring { color_by: view.color_by, range: range.unwrap_or(Range { low: 0.0, high: 1.0 }) };
+    fn upload(&mut self, frame: &Frame, floor: Option<Floor>, coloring: Coloring) -> Result<u32, GpuError> {
         let hidden = floor.and_then(|floor| floor.replaces);
         let vertices = &self.geometry.build(frame, hidden, coloring).vertices;
         let bytes: &[u8] = bytemuck::cast_slice(vertices);
@@ -208,7 +206,8 @@ impl Renderer {
         }
     }
 
-    fn draw_light(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, count: u32) {
+    fn draw_light(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits) {
+        let count = self.geometry.geometry().of_bodies as u32;
         self.depth_pass.draw(encoder, &self.shadow_map, &self.vertices, count);
         if fits.floor.is_some() {
             self.depth_pass.draw(encoder, &self.height_map, &self.vertices, count);

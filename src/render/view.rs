@@ -1,6 +1,7 @@
 //! What to show of a frame: plain data, the same for the window and for files.
 
 use crate::frame::{ColorBy, Frame};
+use crate::render::crosses::cross_scale_pa;
 use crate::render::framing::Floor;
 use crate::render::range::Range;
 
@@ -44,6 +45,8 @@ pub struct View {
     pub color_by: ColorBy,
     /// Values at the ends of the colour map, in the field's unit; `None` takes the frame's own.
     pub range: Option<Range>,
+    /// Stress of the longest line of the stress crosses, Pa; `None` takes the frame's own.
+    pub cross_scale_pa: Option<f32>,
     /// Whether the edges of the elements are drawn.
     pub wireframe: bool,
     /// The floor.
@@ -63,6 +66,7 @@ impl Default for View {
         Self {
             color_by: ColorBy::default(),
             range: None,
+            cross_scale_pa: None,
             wireframe: false,
             ground: Ground::default(),
             caption: None,
@@ -88,6 +92,14 @@ impl View {
         self.color_by
             .has_values()
             .then(|| self.range.unwrap_or_else(|| Range::of_frame(frame, self.color_by)))
+    }
+
+    /// The stress of the longest line of the frame's crosses, Pa: the fixed one, or the frame's own; `None` without
+    /// crosses.
+    #[must_use]
+    pub fn cross_scale_for(&self, frame: &Frame) -> Option<f32> {
+        let own = cross_scale_pa([frame]);
+        own.map(|own| self.cross_scale_pa.filter(|scale| *scale > 0.0).unwrap_or(own))
     }
 }
 

@@ -3,7 +3,10 @@
 use super::body::{Body, Regime};
 use super::{ElementStress, World};
 use crate::contact::Constraint;
-use crate::frame::{BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, SurfaceTopology, VertexFields};
+use crate::frame::{
+    BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, Interior, InteriorTopology, SurfaceTopology,
+    VertexFields,
+};
 use crate::math::symmetric_eigenvalues;
 use glam::{DMat3, DVec3};
 use std::sync::{Arc, OnceLock};
@@ -17,6 +20,8 @@ pub(super) struct FrameParts {
     element_material: Vec<u32>,
     /// Found when somebody looks.
     surface: OnceLock<Arc<SurfaceTopology>>,
+    /// The same.
+    interior: OnceLock<Arc<InteriorTopology>>,
 }
 
 impl FrameParts {
@@ -26,12 +31,31 @@ impl FrameParts {
             palette_srgb: setup.materials.iter().map(|m| m.color_srgb).collect(),
             element_material: setup.element_material.clone(),
             surface: OnceLock::new(),
+            interior: OnceLock::new(),
         }
     }
 
-    /// After the surface has changed.
+    /// After the surface has changed, or what is behind it.
     pub fn forget_surface(&mut self) {
         self.surface = OnceLock::new();
+        self.interior = OnceLock::new();
+    }
+
+    fn interior(&self, body: &Body) -> Arc<InteriorTopology> {
+        let found = || {
+            let breaking = body.breaking.as_ref();
+            let elements = 0..body.tets.len() as u32;
+            Arc::new(InteriorTopology {
+                tets: body.tets.clone(),
+                element_material: match breaking {
+                    Some(breaking) => elements.map(|t| breaking.material(t)).collect(),
+                    None => self.element_material.clone(),
+                },
+                element_fragment: breaking
+                    .map_or_else(Vec::new, |b| b.solid.fragments().of_element().to_vec()),
+            })
+        };
+        self.interior.get_or_init(found).clone()
     }
 
     fn surface(&self, body: &Body) -> Arc<SurfaceTopology> {
@@ -78,11 +102,29 @@ impl World {
     /// What a renderer needs of this moment.
     #[must_use]
     pub fn publish(&self) -> Frame {
+        self.frame(false)
+    }
+
+    /// As [`World::publish`], with what is inside the bodies that are not fixed.
+    #[must_use]
+    pub fn publish_with_interior(&self) -> Frame {
+        self.frame(true)
+    }
+
+    fn frame(&self, with_interior: bool) -> Frame {
         let bodies = self.bodies.iter().zip(&self.frame_parts).enumerate();
+        let bodies = bodies.map(|(index, (body, parts))| {
+            let mut frame = self.body_frame(index, body, parts);
+            if with_interior && frame.role != BodyRole::Fixed {
+                frame.interior = Some(Arc::new(self.interior(index, body, parts)));
+            }
+            frame
+        });
         Frame {
             time_s: self.time_s,
-            bodies: bodies.map(|(index, (body, parts))| self.body_frame(index, body, parts)).collect(),
+            bodies: bodies.collect(),
             contacts: self.marks.clone(),
+            crosses: Vec::new(),
             is_weightless: self.setup.gravity_m_s2 == DVec3::ZERO,
             status: self.status(),
         }
@@ -124,12 +166,26 @@ impl World {
             palette_srgb: parts.palette_srgb.clone(),
             surface: parts.surface(body),
             positions_m: nodes.iter().map(|n| to_f32(positions[*n as usize])).collect(),
-            fields: self.vertex_fields(index, body),
+            fields: self.fields_at(index, body, nodes),
+            interior: None,
         }
     }
 
-    fn vertex_fields(&self, index: usize, body: &Body) -> VertexFields {
-        let nodes = &body.surface.nodes;
+    fn interior(&self, index: usize, body: &Body, parts: &FrameParts) -> Interior {
+        let nodes: Vec<u32> = (0..body.reference_m.len() as u32).collect();
+        let six = |s: &ElementStress| {
+            let s = s.cauchy_pa;
+            [s.x_axis.x, s.y_axis.y, s.z_axis.z, s.x_axis.y, s.y_axis.z, s.z_axis.x].map(|value| value as f32)
+        };
+        Interior {
+            topology: parts.interior(body),
+            positions_m: self.positions_m(index).iter().copied().map(to_f32).collect(),
+            fields: self.fields_at(index, body, &nodes),
+            stress_pa: self.element_stresses(index).iter().map(six).collect(),
+        }
+    }
+
+    fn fields_at(&self, index: usize, body: &Body, nodes: &[u32]) -> VertexFields {
         let zero = || vec![0.0_f32; nodes.len()];
         let velocities = self.velocities_m_s(index);
         let mut fields = VertexFields {
@@ -148,14 +204,14 @@ impl World {
                 (body.position_m[n] - rigid.place_m(body.arms_m[n])).length() as f32
             };
             fields.displacement_m = nodes.iter().map(away).collect();
-            fill_stress_fields(&mut fields, body, &self.element_stresses(index));
+            fill_stress_fields(&mut fields, (body, nodes), &self.element_stresses(index));
         }
         fields
     }
 }
 
-/// Stress values at the surface vertices: means over the elements at a node, weighted by reference volume.
-fn fill_stress_fields(fields: &mut VertexFields, body: &Body, stresses: &[ElementStress]) {
+/// Stress values at nodes: means over the elements at a node, weighted by reference volume.
+fn fill_stress_fields(fields: &mut VertexFields, (body, nodes): (&Body, &[u32]), stresses: &[ElementStress]) {
     let mut sums = vec![[0.0_f64; 6]; body.reference_m.len()];
     for ((element, tet), stress) in (0_u32..).zip(&body.tets).zip(stresses) {
         let volume_m3 = crate::mesh::signed_volume_m3(&tet.map(|n| body.reference_m[n as usize]));
@@ -168,7 +224,7 @@ fn fill_stress_fields(fields: &mut VertexFields, body: &Body, stresses: &[Elemen
             }
         }
     }
-    for (vertex, node) in body.surface.nodes.iter().enumerate() {
+    for (vertex, node) in nodes.iter().enumerate() {
         let [mises, max, min, mean, index, weight] = sums[*node as usize];
         let of = |sum: f64| (sum / weight.max(f64::MIN_POSITIVE)) as f32;
         fields.von_mises_pa[vertex] = of(mises);

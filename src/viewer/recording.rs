@@ -1,6 +1,6 @@
 //! The timeline: what was simulated so far, to be scrubbed through, in bounded memory.
 
-use crate::frame::{BodyFrame, Frame};
+use crate::frame::{BodyFrame, Frame, Interior};
 use std::sync::Arc;
 
 /// Memory for the recording when nobody has set a limit, bytes.
@@ -195,13 +195,19 @@ impl Recording {
 /// Memory of a frame besides what it has in common with the one before, bytes.
 fn frame_bytes(frame: &Frame, before: Option<&Frame>) -> usize {
     const VERTEX_FIELDS: usize = 7;
+    let of_interior = |interior: &Interior| {
+        let nodes = interior.positions_m.len() * (12 + 4 * VERTEX_FIELDS);
+        // Its topology, too: at worst no other frame has it.
+        nodes + interior.stress_pa.len() * (24 + 16 + 4 + 4)
+    };
     let of_body = |(index, body): (usize, &BodyFrame)| {
         let vertices = body.positions_m.len() * (12 + 4 * VERTEX_FIELDS);
         let is_shared = before
             .and_then(|frame| frame.bodies.get(index))
             .is_some_and(|old| Arc::ptr_eq(&old.surface, &body.surface));
         let surface = if is_shared { 0 } else { body.surface.triangles.len() * (12 + 4 + 1 + 4 + 4) };
-        size_of::<BodyFrame>() + vertices + surface
+        let interior = body.interior.as_deref().map_or(0, of_interior);
+        size_of::<BodyFrame>() + vertices + surface + interior
     };
     let bodies: usize = frame.bodies.iter().enumerate().map(of_body).sum();
     size_of::<Frame>() + bodies + frame.contacts.len() * size_of::<crate::frame::ContactMark>()

@@ -9,18 +9,18 @@ use hammerfall::render::{
 };
 use std::sync::Arc;
 
-const SIZE: [u32; 2] = [240, 135];
+pub const SIZE: [u32; 2] = [240, 135];
 const ASPECT: f32 = 240.0 / 135.0;
 
 /// A frame and how to look at it.
-struct Shot {
-    frame: Frame,
-    camera: Camera,
-    view: View,
+pub struct Shot {
+    pub frame: Frame,
+    pub camera: Camera,
+    pub view: View,
 }
 
 impl Shot {
-    fn new(frame: Frame) -> Self {
+    pub fn new(frame: Frame) -> Self {
         Self {
             camera: Framing::of(&frame).camera(NamedView::ThreeQuarter, ASPECT),
             frame,
@@ -28,18 +28,18 @@ impl Shot {
         }
     }
 
-    fn draw(&self, screen: &mut OffScreen) -> Picture {
+    pub fn draw(&self, screen: &mut OffScreen) -> Picture {
         screen.render(SIZE, &self.frame, &self.camera, &self.view).expect("a small picture can be drawn")
     }
 
     /// The pixel where a world point is seen.
-    fn pixel(&self, point: Vec3) -> [u32; 2] {
+    pub fn pixel(&self, point: Vec3) -> [u32; 2] {
         let at = self.camera.picture_position(point, ASPECT).expect("in front");
         (at * Vec2::new(SIZE[0] as f32, SIZE[1] as f32)).to_array().map(|v| v as u32)
     }
 
     /// Luminance where a world point is seen, 0..255.
-    fn luminance(&self, picture: &Picture, point: Vec3) -> f32 {
+    pub fn luminance(&self, picture: &Picture, point: Vec3) -> f32 {
         luminance_at(picture, self.pixel(point))
     }
 }

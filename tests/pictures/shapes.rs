@@ -1,7 +1,9 @@
 //! Small bodies made by hand.
 
 use glam::{Quat, Vec3};
-use hammerfall::frame::{BodyFrame, BodyRole, Frame, SurfaceTopology};
+use hammerfall::frame::{
+    BodyFrame, BodyRole, Frame, Interior, InteriorTopology, SurfaceTopology, VertexFields,
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -28,6 +30,51 @@ pub fn ball(center: Vec3, radius: f32, cells: u32) -> BodyFrame {
         let direction = Vec3::new(cube.x.tan(), cube.y.tan(), cube.z.tan()).normalize();
         *p = (center + radius * direction).to_array();
     }
+    body
+}
+
+/// A box with tetrahedra inside, six in each cell. Its speed is the distance from its middle over half its size, and
+/// its stress pulls along x and pushes half as hard along z.
+pub fn solid_block(low: Vec3, high: Vec3, cells: [u32; 3]) -> BodyFrame {
+    let mut body = block(low, high, cells);
+    let counts = cells.map(|n| n + 1);
+    let node = |at: [u32; 3]| (at[0] * counts[1] + at[1]) * counts[2] + at[2];
+    let mut positions_m = Vec::new();
+    let mut tets = Vec::new();
+    for i in 0..counts[0] {
+        for j in 0..counts[1] {
+            for k in 0..counts[2] {
+                let share = Vec3::new(i as f32, j as f32, k as f32) / Vec3::from(cells.map(|n| n as f32));
+                positions_m.push((low + (high - low) * share).to_array());
+                if i == cells[0] || j == cells[1] || k == cells[2] {
+                    continue;
+                }
+                for [a, b] in [[0, 1], [1, 0], [1, 2], [2, 1], [2, 0], [0, 2]] {
+                    let mut at = [i, j, k];
+                    let mut tet = [node(at), 0, 0, node([i + 1, j + 1, k + 1])];
+                    at[a] += 1;
+                    tet[1] = node(at);
+                    at[b] += 1;
+                    tet[2] = node(at);
+                    tets.push(tet);
+                }
+            }
+        }
+    }
+    let speed = |p: &[f32; 3]| (Vec3::from(*p) - 0.5 * (low + high)).length() / (0.5 * (high - low).x);
+    let fields = |positions_m: &[[f32; 3]]| VertexFields {
+        speed_m_s: positions_m.iter().map(speed).collect(),
+        ..VertexFields::default()
+    };
+    body.fields = fields(&body.positions_m);
+    let surface = Arc::make_mut(&mut body.surface);
+    surface.triangle_element = (0..surface.triangles.len() as u32).map(|t| t % tets.len() as u32).collect();
+    body.interior = Some(Arc::new(Interior {
+        fields: fields(&positions_m),
+        stress_pa: vec![[2e6, 0.0, -1e6, 0.0, 0.0, 0.0]; tets.len()],
+        topology: Arc::new(InteriorTopology { tets, ..InteriorTopology::default() }),
+        positions_m,
+    }));
     body
 }
 

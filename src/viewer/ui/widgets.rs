@@ -1,7 +1,7 @@
 //! Small pieces that several panels share.
 
 use super::style;
-use crate::render::{short, with_unit};
+use crate::render::{parse_with_unit, short, with_unit};
 use egui::{CollapsingHeader, Color32, Context, DragValue, Id, Response, RichText, ScrollArea, Slider, Ui};
 use std::ops::RangeInclusive;
 
@@ -81,28 +81,6 @@ fn rounded(value: f64) -> f64 {
     if result.is_finite() { result } else { value }
 }
 
-/// Reads `15e6`, `15 M`, `15 MPa` or `15 µs`.
-pub fn parse_with_unit(text: &str, unit: &str) -> Option<f64> {
-    const PREFIXES: [(&str, f64); 10] = [
-        ("T", 1e12),
-        ("G", 1e9),
-        ("M", 1e6),
-        ("k", 1e3),
-        ("m", 1e-3),
-        ("µ", 1e-6),
-        ("μ", 1e-6),
-        ("u", 1e-6),
-        ("n", 1e-9),
-        ("", 1.0),
-    ];
-    let text = text.trim().replace('−', "-").replace(',', ".");
-    let bare = text.strip_suffix(unit).unwrap_or(&text).trim_end();
-    PREFIXES.into_iter().find_map(|(prefix, factor)| {
-        let number = bare.strip_suffix(prefix)?.trim_end().parse::<f64>().ok()?;
-        Some(number * factor).filter(|value| value.is_finite())
-    })
-}
-
 /// The scrolled inside of a panel at the side; its bar has a margin of its own.
 pub fn side_scroll() -> ScrollArea {
     let bar = egui::Margin { right: 10, ..egui::Margin::ZERO };
@@ -163,28 +141,6 @@ pub fn primary_button(ui: &mut Ui, text: &str) -> Response {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn typed_values_may_have_prefix_and_unit() {
-        let cases = [
-            ("15e6", 15e6),
-            ("15 MPa", 15e6),
-            ("15M", 15e6),
-            ("2,5 GPa", 2.5e9),
-            ("200 kPa", 200e3),
-            ("12 Pa", 12.0),
-            ("0", 0.0),
-        ];
-        for (text, value) in cases {
-            assert_eq!(parse_with_unit(text, "Pa"), Some(value), "{text}");
-        }
-        assert_eq!(parse_with_unit("3 m", "m"), Some(3.0));
-        assert_eq!(parse_with_unit("3 mm", "m"), Some(3e-3));
-        assert_eq!(parse_with_unit("0.3", ""), Some(0.3));
-        for text in ["", "Pa", "x", "1 2", "inf"] {
-            assert_eq!(parse_with_unit(text, "Pa"), None, "{text}");
-        }
-    }
 
     #[test]
     fn what_is_shown_can_be_typed_back() {

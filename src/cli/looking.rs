@@ -1,0 +1,152 @@
+//! What `render` can look at more closely: `--cut`, `--crosses`, `--color-range`.
+
+use super::failure::Failure;
+use crate::frame::{ColorBy, Frame};
+use crate::render::{Cut, Range, look_inside, parse_with_unit};
+use glam::Vec3;
+
+/// A cutting plane as it was asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutChoice {
+    /// What lies in this direction is left out; a unit vector.
+    normal: Vec3,
+    /// Place along the direction, m; `None`: the middle of the bodies at the first picture.
+    position_m: Option<f32>,
+}
+
+/// Reads `x`, `-y`, `1,0,2`, each perhaps with `=POSITION`.
+///
+/// # Errors
+/// What is wrong and what is expected, for clap to print.
+pub fn parse_cut(text: &str) -> Result<CutChoice, String> {
+    let (direction, position) = match text.split_once('=') {
+        Some((direction, position)) => (direction, Some(position)),
+        None => (text, None),
+    };
+    let normal = parse_direction(direction.trim())?;
+    let position_m = position.map(parse_position).transpose()?;
+    Ok(CutChoice { normal, position_m })
+}
+
+fn parse_direction(text: &str) -> Result<Vec3, String> {
+    let (sign, bare) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
+    match bare {
+        "x" | "X" => return Ok(sign * Vec3::X),
+        "y" | "Y" => return Ok(sign * Vec3::Y),
+        "z" | "Z" => return Ok(sign * Vec3::Z),
+        _ => {}
+    }
+    let numbers: Vec<f32> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
+    let &[x, y, z] = numbers.as_slice() else { return Err(expected_cut()) };
+    if text.split(',').count() != 3 {
+        return Err(expected_cut());
+    }
+    let direction = Vec3::new(x, y, z);
+    direction
+        .try_normalize()
+        .ok_or_else(|| "three numbers that are all zero, or too large, name no direction".to_owned())
+}
+
+fn parse_position(text: &str) -> Result<f32, String> {
+    let position_m = parse_with_unit(text, "m").map(|position_m| position_m as f32);
+    position_m
+        .filter(|position_m| position_m.is_finite())
+        .ok_or_else(|| format!("`{}` is no place; write metres, for example 0.05 or 50mm", text.trim()))
+}
+
+fn expected_cut() -> String {
+    "expected a direction (x, -y, z, or three numbers such as 1,0,2), perhaps with a place: x=0.05".to_owned()
+}
+
+/// Reads the ends of a colour range such as `0..2MPa` in the unit of the field.
+///
+/// # Errors
+/// [`Failure::BadInput`] with what is wrong and what is expected.
+pub fn color_range(text: &str, color_by: ColorBy) -> Result<Range, Failure> {
+    let refused = |reason: String| Failure::BadInput(format!("`--color-range {text}`: {reason}"));
+    if !color_by.has_values() {
+        return Err(refused(format!(
+            "colours by {} have no values; add --color-by with a field, for example von-mises",
+            color_by.name()
+        )));
+    }
+    let ends = text.split_once("..").and_then(|(low, high)| {
+        let unit = color_by.unit();
+        Some((parse_with_unit(low, unit)?, parse_with_unit(high, unit)?))
+    });
+    let Some((low, high)) = ends else {
+        let example = if color_by.unit() == "Pa" { "0..2MPa" } else { "0..1.5" };
+        return Err(refused(format!("expected MIN..MAX, for example {example}")));
+    };
+    Range::chosen(low, high).map_err(|reason| refused(reason.to_owned()))
+}
+
+/// How the frames are looked into, from the first one on.
+#[derive(Clone, Debug, Default)]
+pub struct Looking {
+    cut: Option<CutChoice>,
+    with_crosses: bool,
+    /// The plane, once its place is known.
+    plane: Option<Cut>,
+}
+
+impl Looking {
+    /// With a cutting plane, stress crosses, both or nothing.
+    pub fn new(cut: Option<CutChoice>, with_crosses: bool) -> Self {
+        Self { cut, with_crosses, plane: None }
+    }
+
+    /// Whether frames must come with what is inside.
+    pub fn needs_interior(&self) -> bool {
+        self.cut.is_some() || self.with_crosses
+    }
+
+    /// The frame as it is drawn.
+    pub fn look(&mut self, frame: Frame) -> Frame {
+        if !self.needs_interior() {
+            return frame;
+        }
+        if self.plane.is_none() {
+            self.plane = self.cut.and_then(|cut| {
+                let middle = || {
+                    let [low, high] = Cut::span_m(cut.normal, frame.bounds_m().unwrap_or_default());
+                    0.5 * (low + high)
+                };
+                Cut::new(cut.normal, cut.position_m.unwrap_or_else(middle))
+            });
+        }
+        look_inside(&frame, self.plane.as_ref(), self.with_crosses)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cuts_are_read_with_and_without_a_place() {
+        let cut = |normal: Vec3, position_m| Ok(CutChoice { normal, position_m });
+        assert_eq!(parse_cut("x"), cut(Vec3::X, None));
+        assert_eq!(parse_cut("-Y=-0.25"), cut(Vec3::NEG_Y, Some(-0.25)));
+        assert_eq!(parse_cut("z = 50 mm"), cut(Vec3::Z, Some(0.05)));
+        assert_eq!(parse_cut("0, 0, -2=0"), cut(Vec3::NEG_Z, Some(0.0)));
+        for text in
+            ["", "w", "x=", "x=far", "x=nan", "1,2", "1,2,3,4", "1,2,z", "0,0,0", "nan,0,1", "x=1=2", "--x"]
+        {
+            assert!(parse_cut(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn color_ranges_are_read_in_the_unit_of_the_field() {
+        let range = |text| color_range(text, ColorBy::VonMises);
+        assert_eq!(range("0..2MPa").unwrap(), Range { low: 0.0, high: 2e6 });
+        assert_eq!(range("-1e5 .. 300k").unwrap(), Range { low: -1e5, high: 3e5 });
+        for text in ["", "2MPa", "0..", "2..1", "1..1", "0..2mm", "0..x", "0...5m..1"] {
+            let refused = range(text).unwrap_err();
+            assert!(matches!(refused, Failure::BadInput(words) if words.contains("--color-range")), "{text}");
+        }
+        let refused = color_range("0..1", ColorBy::Body).unwrap_err();
+        assert!(matches!(refused, Failure::BadInput(words) if words.contains("--color-by")));
+    }
+}
