@@ -7,7 +7,7 @@
 
 use super::criterion::{Criterion, CriterionError};
 use super::stress::StressMeasures;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// Steps in which a ray is searched for its first crossing, and halvings that pin it down.
@@ -41,6 +41,56 @@ pub fn principal_point_pa(mean_pa: f64, distance_pa: f64, angle_rad: f64) -> DVe
     let second = DVec3::new(0.0, 1.0, -1.0) / 2.0_f64.sqrt();
     let (sin, cos) = angle_rad.sin_cos();
     DVec3::splat(mean_pa) + distance_pa * (cos * first + sin * second)
+}
+
+/// Coordinates of a point across the hydrostatic axis, right and up, Pa: the projection of the s1 axis points up, that
+/// of the s2 axis to the lower left.
+#[must_use]
+pub fn deviatoric_place_pa(point_pa: DVec3) -> DVec2 {
+    DVec2::new(
+        point_pa.dot(DVec3::new(0.0, -1.0, 1.0)) / 2.0_f64.sqrt(),
+        point_pa.dot(DVec3::new(2.0, -1.0, -1.0)) / 6.0_f64.sqrt(),
+    )
+}
+
+/// Mean stress and distance from the hydrostatic axis, Pa, and the angle around it, radians: where
+/// [`principal_point_pa`] has a point. For `s1 >= s2 >= s3` the angle lies in `[0, pi/3]`.
+#[must_use]
+pub fn principal_place(point_pa: DVec3) -> (f64, f64, f64) {
+    let flat_pa = deviatoric_place_pa(point_pa);
+    (point_pa.element_sum() / 3.0, flat_pa.length(), (-flat_pa.x).atan2(flat_pa.y))
+}
+
+/// Mohr's envelope: the line in the plane of normal and shear stress, `[sigma, tau]` with `tau >= 0`, Pa, that all
+/// circles of failing states touch whose stresses lie at an angle around the hydrostatic axis.
+///
+/// The circles `(s1, s3)` along the meridian have middles c and radii R(c); their envelope is
+/// `sigma = c - R R'`, `tau = R sqrt(1 - R'^2)` where `|R'| <= 1` (O. Mohr, 1900; any text on envelopes of circles).
+/// For criteria that look at s1 and s3 alone it does not hang on the angle.
+///
+/// # Errors
+/// As for [`deviatoric_section`].
+pub fn mohr_envelope(
+    criterion: &Criterion,
+    angle_rad: f64,
+    count: u32,
+    range: &DrawnRange,
+) -> Result<Vec<[f64; 2]>, CriterionError> {
+    let points_pa = meridian(criterion, angle_rad, count, range)?;
+    let circle = |[mean_pa, distance_pa]: [f64; 2]| {
+        let point_pa = principal_point_pa(mean_pa, distance_pa, angle_rad);
+        let (high, low) = (point_pa.max_element(), point_pa.min_element());
+        [0.5 * (high + low), 0.5 * (high - low)]
+    };
+    let circles: Vec<[f64; 2]> = points_pa.into_iter().map(circle).collect();
+    let touch = |pair: &[[f64; 2]]| {
+        let [[c0, r0], [c1, r1]] = [pair[0], pair[1]];
+        let slope = (r1 - r0) / (c1 - c0);
+        let (c, r) = (f64::midpoint(c0, c1), f64::midpoint(r0, r1));
+        // Where they lie inside each other circles have no line to touch.
+        (slope.abs() <= 1.0).then(|| [c - r * slope, r * (1.0 - slope * slope).sqrt()])
+    };
+    Ok(circles.windows(2).filter_map(touch).collect())
 }
 
 /// Deviatoric section at a mean stress: distance from the axis, Pa, at `count` equally spaced
@@ -292,6 +342,36 @@ mod tests {
             let [first, middle] = [points[0][1], points[4][1]];
             assert!((first - 2.0 * middle).abs() < 1e-6 * first);
         }
+    }
+
+    #[test]
+    fn places_in_stress_space_read_back() {
+        for (mean_pa, distance_pa, angle_rad) in [(0.0, 2.0, 0.3), (-3.0, 1.0, 0.0), (5.0, 4.0, FRAC_PI_3)] {
+            let point_pa = principal_point_pa(mean_pa, distance_pa, angle_rad);
+            assert!(point_pa.x >= point_pa.y - 1e-12 && point_pa.y >= point_pa.z - 1e-12);
+            let found = principal_place(point_pa);
+            for (found, put) in [(found.0, mean_pa), (found.1, distance_pa), (found.2, angle_rad)] {
+                assert!((found - put).abs() < 1e-12, "{found} {put}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_envelope_of_circles_is_mohr_coulombs_line_and_level_for_von_mises() {
+        let friction_angle_rad = FRAC_PI_6;
+        let cone = criterion(Strength::MohrCoulomb { cohesion_pa: K, friction_angle_rad });
+        for angle_rad in [0.0, 0.4, FRAC_PI_3] {
+            let line = mohr_envelope(&cone, angle_rad, 30, &RANGE).unwrap();
+            assert!(line.len() > 20);
+            for [sigma, tau] in line {
+                let expected = K - sigma * friction_angle_rad.tan();
+                assert!((tau - expected).abs() < 1e-6 * expected.abs().max(K), "{sigma} {tau} {expected}");
+            }
+        }
+        // Pure shear of k fails von Mises; all its circles at that angle have this radius.
+        let mises = criterion(Strength::VonMises { shear_strength_pa: K });
+        let level = mohr_envelope(&mises, FRAC_PI_6, 10, &RANGE).unwrap();
+        assert!(level.len() == 9 && level.iter().all(|[_, tau]| (tau - K).abs() < 1e-3), "{level:?}");
     }
 
     #[test]

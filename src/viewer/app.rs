@@ -1,14 +1,15 @@
 //! The viewer without a window: its state, what buttons and keys do, and the panels laid out.
 
 use super::aim::Aim;
+use super::closer::{Seeing, has_interior};
 use super::edits::Edits;
-use super::exploded::exploded;
+use super::inspection::Inspection;
 use super::look::Look;
 use super::player::Player;
 use super::recording::Recording;
 use super::saving::{self, GIF_FPS, Job, MOST_PICTURES, Saver, Shot};
 use super::simulation::Simulation;
-use super::snapshot::{Command, Snapshot};
+use super::snapshot::{Command, Looked, Snapshot};
 use super::thumbnails::{Sketch, Sketcher};
 use super::ui::{self, Action};
 use crate::frame::Frame;
@@ -73,8 +74,10 @@ pub struct App {
     pub save: SaveState,
     /// What went wrong in the window itself.
     trouble: Option<String>,
-    /// What is shown, how far its fragments are moved apart, and the result.
-    exploded: Option<(Arc<Frame>, f32, Arc<Frame>)>,
+    /// What is shown, what is done to it, and the result.
+    seen: Option<(Arc<Frame>, Seeing, Arc<Frame>)>,
+    /// The recorded moment that the simulation was asked to look into, s.
+    looked_into_s: Option<f64>,
     /// Which panels are there.
     pub panels: Panels,
     /// Whether the gallery covers the scene.
@@ -160,7 +163,8 @@ impl App {
             saver: Saver::default(),
             save: SaveState::default(),
             trouble: None,
-            exploded: None,
+            seen: None,
+            looked_into_s: None,
             panels: Panels::default(),
             is_gallery: true,
             dismissed: 0,
@@ -212,26 +216,66 @@ impl App {
         self.player.moment(&self.snapshot.recording).map_or(&self.snapshot.frame, |moment| &moment.frame)
     }
 
-    /// What is drawn: that with its fragments moved apart, if so wished.
+    /// What is drawn: that with its fragments moved apart, cut open, with stress crosses, if so wished.
     #[must_use]
     pub fn drawn(&self) -> &Arc<Frame> {
-        let exploded = self.exploded.as_ref().filter(|_| self.look.explode > 0.0);
-        exploded.map_or_else(|| self.shown(), |(_, _, frame)| frame)
+        let seen = self.seen.as_ref().filter(|_| !self.look.seeing().is_plain());
+        seen.map_or_else(|| self.shown(), |(_, _, frame)| frame)
     }
 
-    /// Moves the fragments of what is shown apart.
-    fn explode(&mut self) {
-        let share = self.look.explode;
-        if share <= 0.0 {
-            self.exploded = None;
+    /// The recorded moment that is shown, once it was looked into.
+    fn looked(&self) -> Option<&Looked> {
+        let moment = self.player.moment(&self.snapshot.recording)?;
+        self.snapshot.looked.as_ref().filter(|looked| looked.time_s == moment.time_s)
+    }
+
+    /// The element looked at closely at the moment shown; `None` when there is none, or not yet.
+    #[must_use]
+    pub fn inspection(&self) -> Option<&Inspection> {
+        if self.player.is_back() {
+            return self.looked().and_then(|looked| looked.inspection.as_ref());
+        }
+        self.snapshot.inspection.as_ref()
+    }
+
+    /// Whether the values of the element are still being found.
+    #[must_use]
+    pub fn is_inspection_late(&self) -> bool {
+        self.player.is_back() && self.looked().is_none() && self.snapshot.inspection.is_some()
+    }
+
+    /// Asks the simulation for what is inside, where that is wanted and not there.
+    fn look_closer(&mut self) {
+        if self.snapshot.scene.is_none() || self.is_waiting() {
             return;
         }
-        let shown = self.shown().clone();
-        let is_known =
-            self.exploded.as_ref().is_some_and(|(of, by, _)| Arc::ptr_eq(of, &shown) && *by == share);
+        let wants_interior = self.look.seeing().needs_interior();
+        if wants_interior != self.snapshot.with_interior {
+            self.simulation.send(Command::SetInterior(wants_interior));
+        }
+        let wants_look =
+            |frame: &Frame| self.snapshot.inspection.is_some() || (wants_interior && !has_interior(frame));
+        let moment = self.player.moment(&self.snapshot.recording);
+        let wanted_s = moment.filter(|moment| wants_look(&moment.frame)).map(|moment| moment.time_s);
+        if wanted_s != self.looked_into_s {
+            self.looked_into_s = wanted_s;
+            self.simulation.send(Command::LookInto(wanted_s));
+        }
+    }
+
+    /// Makes what is drawn of what is shown.
+    fn see(&mut self) {
+        let seeing = self.look.seeing();
+        if seeing.is_plain() {
+            self.seen = None;
+            return;
+        }
+        let inside = self.looked().and_then(|looked| looked.frame.as_ref());
+        let shown = inside.filter(|_| seeing.needs_interior()).unwrap_or(self.shown()).clone();
+        let is_known = self.seen.as_ref().is_some_and(|(of, by, _)| Arc::ptr_eq(of, &shown) && *by == seeing);
         if !is_known {
-            let moved = Arc::new(exploded(&shown, share));
-            self.exploded = Some((shown, share, moved));
+            let seen = Arc::new(seeing.of(&shown));
+            self.seen = Some((shown, seeing, seen));
         }
     }
 
@@ -248,7 +292,8 @@ impl App {
             self.act(action);
         }
         self.actions = actions;
-        self.explode();
+        self.look_closer();
+        self.see();
     }
 
     /// What the graphics should draw into the viewport, once its place is known.
@@ -328,6 +373,7 @@ impl App {
         }
         if snapshot.built != before.built {
             self.player.leave();
+            self.looked_into_s = None;
             self.look.forget_range();
         }
         if let Some(contact) = snapshot.contact.as_ref().filter(|_| !self.is_waiting()) {
@@ -392,7 +438,7 @@ impl App {
         let slow_motion = (with_motion && self.snapshot.speed > 0.0).then(|| 1.0 / self.snapshot.speed);
         let caption = Caption { show_time: true, slow_motion, text: String::new() };
         let view = View { caption: Some(caption), ..self.look.view(1.0) };
-        Shot { camera: self.look.camera, view, size_px }
+        Shot { camera: self.look.camera, view, seeing: self.look.seeing(), size_px }
     }
 
     fn save(&mut self, kind: SaveKind) {
@@ -439,6 +485,11 @@ impl App {
         }
     }
 
+    /// Looks closely at an element, by the numbers of its body and of itself.
+    pub fn inspect(&mut self, body: usize, element: u32) {
+        self.simulation.send(Command::Inspect(Some((body, element))));
+    }
+
     fn toggle_play(&mut self) {
         if self.player.is_back() {
             return self.look_back(|player, recording| player.toggle(recording));
@@ -474,7 +525,7 @@ impl App {
             Action::SetSpeed(speed) => self.simulation.send(Command::SetSpeed(speed)),
             Action::Throw(throw) => self.edit_scene(Command::Throw(throw)),
             Action::Remove(body) => self.edit_scene(Command::Remove(body)),
-            Action::Inspect(body, element) => self.simulation.send(Command::Inspect(Some((body, element)))),
+            Action::Inspect(body, element) => self.inspect(body, element),
             Action::Undo => {
                 self.player.leave();
                 self.simulation.send(Command::Undo);
@@ -498,6 +549,12 @@ impl App {
                 self.look.forget_range();
                 self.look.take_in(&self.shown().clone());
             }
+            Action::ToggleCut => {
+                let shown = self.shown().clone();
+                self.look.closer.toggle_cut(&shown);
+            }
+            Action::CutEdited(closer) => self.look.closer = closer,
+            Action::ToggleCrosses => self.look.closer.with_crosses = !self.look.closer.with_crosses,
             Action::ToggleWireframe => self.look.wireframe = !self.look.wireframe,
             Action::ToggleDark => {
                 self.look.is_dark = !self.look.is_dark;

@@ -1,8 +1,9 @@
 //! Fragments moved apart, to see what is between them. Only for the eye: nothing of it reaches the simulation.
 
-use crate::frame::{BodyFrame, BodyRole, Frame};
+use crate::frame::{BodyFrame, BodyRole, Frame, Interior};
 use glam::Vec3;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The frame with every fragment moved away from the middle of all, by `share` of its distance from it.
 #[must_use]
@@ -32,11 +33,38 @@ fn explode(body: &mut BodyFrame, middle: Vec3, share: f32) {
             *count += 1.0;
         }
     }
-    for (position, fragment) in body.positions_m.iter_mut().zip(fragment_of) {
-        let Some((sum, count)) = fragment.and_then(|fragment| sums.get(&fragment)) else { continue };
-        let mut away = (*sum / *count - middle) * share;
+    let away = |fragment: Option<u32>| {
+        let (sum, count) = fragment.and_then(|fragment| sums.get(&fragment))?;
+        let away = (*sum / *count - middle) * share;
         // Nothing goes down into the ground.
-        away.z = away.z.max(0.0);
+        Some(away.with_z(away.z.max(0.0)))
+    };
+    for (position, fragment) in body.positions_m.iter_mut().zip(fragment_of) {
+        move_by(position, away(fragment));
+    }
+    if let Some(interior) = &mut body.interior {
+        explode_interior(Arc::make_mut(interior), away);
+    }
+}
+
+fn explode_interior(interior: &mut Interior, away: impl Fn(Option<u32>) -> Option<Vec3>) {
+    let topology = interior.topology.clone();
+    let mut fragment_of = vec![None; interior.positions_m.len()];
+    for (element, tet) in topology.tets.iter().enumerate() {
+        let fragment = topology.element_fragment.get(element).copied().unwrap_or(0);
+        for node in tet {
+            if let Some(of_node) = fragment_of.get_mut(*node as usize) {
+                *of_node = Some(fragment);
+            }
+        }
+    }
+    for (position, fragment) in interior.positions_m.iter_mut().zip(fragment_of) {
+        move_by(position, away(fragment));
+    }
+}
+
+fn move_by(position: &mut [f32; 3], away: Option<Vec3>) {
+    if let Some(away) = away {
         *position = (Vec3::from(*position) + away).to_array();
     }
 }
@@ -45,7 +73,6 @@ fn explode(body: &mut BodyFrame, middle: Vec3, share: f32) {
 mod tests {
     use super::*;
     use crate::frame::SurfaceTopology;
-    use std::sync::Arc;
 
     #[test]
     fn fragments_move_apart_without_changing_their_shape() {

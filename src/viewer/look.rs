@@ -1,5 +1,6 @@
 //! How the scene is shown: colours, range, light, camera, floor.
 
+use super::closer::{Closer, Seeing, TypedRange};
 use super::orbit::{self, MouseInput};
 use super::scene_camera::opening_camera;
 use super::snapshot::Snapshot;
@@ -15,6 +16,10 @@ pub struct Look {
     pub wireframe: bool,
     /// How far fragments are moved apart, as a share of their distance from the middle.
     pub explode: f32,
+    /// What is looked at inside the bodies.
+    pub closer: Closer,
+    /// The colours' range, if it was typed.
+    pub typed_range: TypedRange,
     /// Dark surroundings, of the picture and the panels.
     pub is_dark: bool,
     /// The camera.
@@ -32,6 +37,8 @@ impl Default for Look {
             color_by: ColorBy::default(),
             wireframe: false,
             explode: 0.0,
+            closer: Closer::default(),
+            typed_range: TypedRange::default(),
             is_dark: false,
             camera: Camera::default(),
             range: None,
@@ -50,6 +57,8 @@ impl Look {
             self.color_by = scene.description.recording.color_by.name().parse().unwrap_or_default();
         }
         self.forget_range();
+        self.typed_range = TypedRange::default();
+        self.closer.open(&snapshot.frame);
         self.wants_opening_camera = true;
     }
 
@@ -60,6 +69,7 @@ impl Look {
 
     /// Makes the colours' range cover a frame.
     pub fn take_in(&mut self, frame: &Frame) {
+        self.closer.take_in(frame);
         if self.color_by.has_values() {
             let now = Range::of_frame(frame, self.color_by);
             // Before anything has happened there is nothing to keep: the range of nothing is 1.
@@ -94,12 +104,28 @@ impl Look {
         orbit::apply(&mut self.camera, input, height);
     }
 
+    /// The colours' range that was found.
+    #[must_use]
+    pub fn found_range(&self) -> Option<Range> {
+        self.range
+    }
+
+    /// What is done to frames before they are drawn.
+    #[must_use]
+    pub fn seeing(&self) -> Seeing {
+        Seeing {
+            explode: self.explode.max(0.0),
+            cut: self.closer.cut(),
+            with_crosses: self.closer.with_crosses,
+        }
+    }
+
     /// The view for the renderer.
     #[must_use]
     pub fn view(&self, pixels_per_point: f32) -> View {
         View {
             color_by: self.color_by,
-            range: self.range,
+            range: self.typed_range.range(self.color_by).ok().flatten().or(self.range),
             wireframe: self.wireframe,
             ground: self.ground,
             background: if self.is_dark { Background::Dark } else { Background::Light },

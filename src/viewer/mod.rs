@@ -13,6 +13,7 @@
 
 mod aim;
 mod app;
+mod closer;
 mod criterion_edit;
 mod edits;
 mod exploded;

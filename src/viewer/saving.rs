@@ -1,5 +1,6 @@
 //! Taking it home: pictures, animations, the scene, the fragments. All of it is done by a thread of its own, so that a slow disk never stops the window.
 
+use super::closer::Seeing;
 use super::look::Look;
 use crate::export::gif::GifWriter;
 use crate::export::png::write_png;
@@ -28,6 +29,8 @@ pub struct Shot {
     pub camera: Camera,
     /// How.
     pub view: View,
+    /// What is done to the frames of an animation before.
+    pub seeing: Seeing,
     /// Width and height, pixels.
     pub size_px: [u32; 2],
 }
@@ -198,6 +201,8 @@ fn save(job: &Job, path: &Path, progress: &Progress) -> Outcome {
 fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progress) -> Outcome {
     let mut screen = progress.studio.open()?;
     let mut draw = |frame: &Frame| {
+        let seen = (!shot.seeing.is_plain()).then(|| shot.seeing.of(frame));
+        let frame = seen.as_ref().unwrap_or(frame);
         screen.render(shot.size_px, frame, &shot.camera, &shot.view).map_err(|error| error.to_string())
     };
     let samples = frames.iter().step_by(frames.len().div_ceil(SAMPLES).max(1)).map(|frame| draw(frame));

@@ -1,5 +1,6 @@
 //! What the simulation thread does, without the thread: commands in, steps, snapshots out.
 
+mod looking;
 mod scene_edits;
 mod timeline;
 
@@ -57,6 +58,9 @@ pub struct Session {
     undo: Vec<UndoPoint>,
     /// Body and element looked at closely.
     inspected: Option<(usize, u32)>,
+    /// Whether frames hold what is inside the bodies.
+    with_interior: bool,
+    looked: Option<looking::LookedRun>,
     /// Contacts that have a mark already.
     contacts_marked: usize,
     crack_area_m2: f64,
@@ -93,6 +97,8 @@ impl Default for Session {
             edits: Vec::new(),
             undo: Vec::new(),
             inspected: None,
+            with_interior: false,
+            looked: None,
             contacts_marked: 0,
             crack_area_m2: 0.0,
             are_cracks_growing: false,
@@ -124,6 +130,8 @@ impl Session {
             Command::PlayOnFrom { time_s, play } => self.play_on_from(time_s, play),
             Command::Inspect(element) => self.inspected = element,
             Command::SetMemoryLimit(bytes) => self.set_memory_limit(bytes),
+            Command::SetInterior(is_wanted) => self.set_interior(is_wanted),
+            Command::LookInto(time_s) => self.look_into(time_s),
         }
         self.commands_done += 1;
     }
@@ -198,6 +206,7 @@ impl Session {
     /// What the window should show.
     pub fn snapshot(&mut self) -> Snapshot {
         self.renew_frame();
+        let looked = self.looked();
         let run = self.run.as_ref();
         Snapshot {
             commands_done: self.commands_done,
@@ -213,6 +222,8 @@ impl Session {
             inspection: run
                 .zip(self.inspected)
                 .and_then(|(run, (body, element))| Inspection::of(&run.world, body, element)),
+            with_interior: self.with_interior,
+            looked,
             undo: self.undo.last().map(|point| point.what.clone()),
             is_playing: self.is_playing,
             speed: self.speed,

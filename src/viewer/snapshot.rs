@@ -57,6 +57,10 @@ pub enum Command {
     Inspect(Option<(usize, u32)>),
     /// Memory for the recording, bytes.
     SetMemoryLimit(usize),
+    /// Whether frames hold what is inside the bodies.
+    SetInterior(bool),
+    /// Looks into the recorded moment at this time, s, or into none.
+    LookInto(Option<f64>),
 }
 
 /// Something the user has to be told.
@@ -66,6 +70,17 @@ pub struct Notice {
     pub number: u64,
     /// What happened and what to do.
     pub text: String,
+}
+
+/// What a recorded moment that was looked into has to tell.
+#[derive(Clone, Debug)]
+pub struct Looked {
+    /// Its time, s.
+    pub time_s: f64,
+    /// The frame with what is inside the bodies, if that is wanted.
+    pub frame: Option<Arc<Frame>>,
+    /// The element looked at closely, as it was then.
+    pub inspection: Option<Inspection>,
 }
 
 /// Everything the window shows of one moment.
@@ -93,6 +108,10 @@ pub struct Snapshot {
     pub recording: Arc<Recording>,
     /// The element looked at closely.
     pub inspection: Option<Inspection>,
+    /// Whether frames hold what is inside the bodies.
+    pub with_interior: bool,
+    /// The recorded moment that is looked into.
+    pub looked: Option<Looked>,
     /// What undo would take back.
     pub undo: Option<String>,
     /// Whether time runs.

@@ -7,6 +7,7 @@ mod random_input;
 use super::app::App;
 use super::simulation::Simulation;
 use super::thumbnails::Sketcher;
+use crate::frame::{BodyRole, ColorBy};
 use crate::scene::Scene;
 use crate::sim::World;
 use egui::{Event, Modifiers, PointerButton, Pos2};
@@ -211,4 +212,97 @@ fn a_formula_is_told_where_it_is_wrong_while_it_is_typed() {
     press(&mut window, "Reset to apply the changes  (R)");
     let scene = window.state().snapshot.scene.clone().unwrap();
     assert!(scene.description.materials.iter().any(|material| material.fracture.is_some()));
+}
+
+#[test]
+fn bodies_are_cut_open_and_stress_crosses_shown() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    wait(&mut window, "time", |app| app.snapshot.recording.moments().len() > 12);
+    press(&mut window, "Pause (space)");
+    let area = |app: &App| app.drawn().bodies.iter().map(|body| body.surface.triangles.len()).sum::<usize>();
+    let whole = area(window.state());
+    press(&mut window, "Cut the bodies open");
+    wait(&mut window, "the inside", |app| app.snapshot.with_interior);
+    settle(&mut window);
+    let cut = window.state().look.closer.cut().unwrap();
+    let moving = |app: &App| app.drawn().bodies.iter().rposition(|body| body.role == BodyRole::Deformable);
+    let ball = moving(window.state()).unwrap();
+    let body = window.state().drawn().bodies[ball].clone();
+    assert!(!body.positions_m.is_empty() && body.positions_m.iter().all(|p| cut.beyond_m(*p) < 1e-5));
+    // The section is there: many points lie in the plane.
+    let in_plane = body.positions_m.iter().filter(|p| cut.beyond_m(**p).abs() < 1e-6).count();
+    assert!(in_plane > 20, "{in_plane}");
+    assert_ne!(area(window.state()), whole);
+    press(&mut window, "Leave out the other side");
+    let body = &window.state().drawn().bodies[ball];
+    assert!(body.positions_m.iter().all(|p| cut.beyond_m(*p) > -1e-5));
+    press(&mut window, "Free");
+    let normal = window.state().look.closer.normal();
+    assert_eq!(normal, glam::Vec3::X, "both angles are zero at first");
+    press(&mut window, "Stress crosses");
+    assert!(!window.state().drawn().crosses.is_empty());
+
+    // A moment recorded before the cut was on is looked into by simulating up to it again.
+    window.key_press(egui::Key::ArrowLeft);
+    (0..4).for_each(|_| window.key_press(egui::Key::ArrowLeft));
+    settle(&mut window);
+    wait(&mut window, "the inside of then", |app| {
+        app.player.is_back()
+            && app.shown().time_s < app.snapshot.frame.time_s
+            && !app.drawn().crosses.is_empty()
+    });
+    assert_eq!(window.state().drawn().time_s, window.state().shown().time_s);
+    press(&mut window, "Now");
+    window.key_press(egui::Key::C);
+    window.key_press(egui::Key::X);
+    settle(&mut window);
+    assert_eq!(area(window.state()), whole);
+    assert!(!window.state().snapshot.with_interior && window.state().drawn().crosses.is_empty());
+}
+
+#[test]
+fn the_element_shows_the_values_of_the_moment_looked_at() {
+    let mut window = window();
+    open(&mut window, "rods-collision");
+    wait(&mut window, "a collision", |app| app.snapshot.frame.time_s > 8e-5);
+    press(&mut window, "Pause (space)");
+    let frame = window.state().snapshot.frame.clone();
+    let rod = frame.bodies.iter().position(|body| body.role == BodyRole::Deformable).unwrap();
+    window.state_mut().inspect(rod, 7);
+    settle(&mut window);
+    let now = window.state().inspection().cloned().unwrap();
+    assert!(now.principal_pa.length() > 1e3, "{now:?}");
+    // At the start there was no stress.
+    let bar = window.get_by_label("Timeline").rect();
+    drag(&mut window, bar.center(), bar.left_center() + egui::vec2(1.0, 0.0));
+    settle(&mut window);
+    wait(&mut window, "the values of then", |app| app.player.is_back() && app.inspection().is_some());
+    let then = window.state().inspection().cloned().unwrap();
+    assert_eq!(then.element, now.element);
+    assert!(then.principal_pa.length() < 0.01 * now.principal_pa.length(), "{then:?}");
+    press(&mut window, "Now");
+    assert_eq!(window.state().inspection(), Some(&now));
+}
+
+#[test]
+fn a_typed_colour_range_is_used_and_a_wrong_one_is_told() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    let frame = window.state().snapshot.frame.clone();
+    window.state_mut().look.color_by = ColorBy::VonMises;
+    window.state_mut().look.take_in(&frame);
+    settle(&mut window);
+    press(&mut window, "Colours find their own range");
+    window.state_mut().look.typed_range.high = "3 MPa".to_owned();
+    settle(&mut window);
+    let view = |window: &Window| window.state().picture_request(1.0).unwrap().view.range.unwrap();
+    assert_eq!(view(&window).high, 3e6);
+    window.state_mut().look.typed_range.high = "3 apples".to_owned();
+    settle(&mut window);
+    assert!(window.query_by_label_contains("“3 apples” is no value in Pa").is_some());
+    assert_ne!(view(&window).high, 3e6);
+    press(&mut window, "Colours find their own range");
+    assert!(window.query_by_label_contains("apples").is_none());
 }

@@ -4,7 +4,7 @@ use super::choice::Entry;
 use crate::cli::failure::Failure;
 use crate::fracture::CriterionError;
 use crate::fracture::envelope::{
-    deviatoric_section, distance_along_pa, plane_stress_section, principal_point_pa,
+    deviatoric_place_pa, deviatoric_section, distance_along_pa, plane_stress_section, principal_point_pa,
 };
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -37,10 +37,7 @@ impl Shape {
     pub fn flat_pa(self, point_pa: DVec3) -> DVec2 {
         match self {
             Self::PlaneStress => point_pa.truncate(),
-            Self::Deviatoric { .. } => DVec2::new(
-                point_pa.dot(DVec3::new(0.0, -1.0, 1.0)) / 2.0_f64.sqrt(),
-                point_pa.dot(DVec3::new(2.0, -1.0, -1.0)) / 6.0_f64.sqrt(),
-            ),
+            Self::Deviatoric { .. } => deviatoric_place_pa(point_pa),
         }
     }
 }

@@ -22,6 +22,12 @@ pub(super) struct Keyframe {
     run: Run,
 }
 
+impl Keyframe {
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+}
+
 /// What was done to the running scene.
 #[derive(Clone)]
 pub(super) enum Done {
@@ -61,7 +67,9 @@ impl Session {
             let is_new =
                 self.frame_of != Some((run.world.steps(), run.world.time_s().to_bits(), self.edits.len()));
             if is_new {
-                self.frame = Arc::new(run.world.publish());
+                let world = &run.world;
+                let frame = if self.with_interior { world.publish_with_interior() } else { world.publish() };
+                self.frame = Arc::new(frame);
                 self.frame_of = Some((run.world.steps(), run.world.time_s().to_bits(), self.edits.len()));
             }
         }
@@ -120,6 +128,7 @@ impl Session {
         self.edits.clear();
         self.undo.clear();
         self.frame_of = None;
+        self.looked = None;
         (self.contacts_marked, self.crack_area_m2, self.are_cracks_growing) = (0, 0.0, false);
     }
 
@@ -191,7 +200,7 @@ impl Session {
     }
 
     /// The run at a time, after so many edits.
-    fn run_at(&self, time_s: f64, edits: usize) -> Result<(Run, usize), SimError> {
+    pub(super) fn run_at(&self, time_s: f64, edits: usize) -> Result<(Run, usize), SimError> {
         let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
         let keyframe = self.keyframes.iter().rev().find(is_before);
         let Some(keyframe) = keyframe else {
@@ -209,7 +218,7 @@ impl Session {
     }
 }
 
-fn step_to(world: &mut World, time_s: f64) -> Result<(), SimError> {
+pub(super) fn step_to(world: &mut World, time_s: f64) -> Result<(), SimError> {
     while world.time_s() < time_s {
         world.step(time_s)?;
     }

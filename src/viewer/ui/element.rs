@@ -1,26 +1,35 @@
 //! The element that was clicked on: its stress, and Mohr's circles with the envelope of its criterion.
 
+use super::stress_space;
 use super::widgets::measured;
+use crate::fracture::envelope::{
+    DrawnRange, distance_along_pa, mohr_envelope, principal_place, principal_point_pa,
+};
 use crate::fracture::{Criterion, Strength};
+use crate::viewer::app::App;
 use crate::viewer::inspection::Inspection;
 use egui::{Color32, Grid, RichText, Ui};
-use egui_plot::{Line, Plot, VLine};
+use egui_plot::{Line, Plot};
+use glam::DVec3;
 use std::f64::consts::TAU;
 
-const HEIGHT: f32 = 170.0;
-const CIRCLE: Color32 = Color32::from_rgb(0x3b, 0x82, 0xd6);
-const ENVELOPE: Color32 = Color32::from_rgb(0xd0, 0x4a, 0x4a);
+pub const HEIGHT: f32 = 170.0;
+pub const CIRCLE: Color32 = Color32::from_rgb(0x3b, 0x82, 0xd6);
+pub const ENVELOPE: Color32 = Color32::from_rgb(0xd0, 0x4a, 0x4a);
 
 /// Shows the element.
-pub fn show(ui: &mut Ui, inspection: Option<&Inspection>, is_back: bool) {
-    let Some(inspection) = inspection else {
-        ui.weak("Click on a body to look at an element.");
+pub fn show(ui: &mut Ui, app: &App) {
+    let Some(inspection) = app.inspection() else {
+        ui.weak(if app.is_inspection_late() {
+            "Finding the values of this moment …"
+        } else if app.snapshot.inspection.is_some() {
+            "At this moment the element is not there."
+        } else {
+            "Click on a body to look at an element."
+        });
         return;
     };
     ui.label(format!("{}, element {}", inspection.body, inspection.element));
-    if is_back {
-        ui.label(RichText::new("Values of the present, not of the moment looked back at").small().weak());
-    }
     Grid::new("element").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
             ui.label(RichText::new(name).small().weak());
@@ -40,6 +49,9 @@ pub fn show(ui: &mut Ui, inspection: Option<&Inspection>, is_back: bool) {
     });
     components(ui, inspection);
     mohr(ui, inspection);
+    if let Some(criterion) = &inspection.criterion {
+        stress_space::show(ui, criterion, inspection.principal_pa);
+    }
 }
 
 /// The tensor in world axes, two components a row: more would not fit into the panel.
@@ -63,54 +75,49 @@ fn components(ui: &mut Ui, inspection: &Inspection) {
 
 fn mohr(ui: &mut Ui, inspection: &Inspection) {
     let [s1, s2, s3] = inspection.principal_pa.to_array();
-    let lines = inspection.criterion.as_ref().map(envelope).unwrap_or_default();
+    let lines =
+        inspection.criterion.as_ref().map(|c| envelope(c, inspection.principal_pa)).unwrap_or_default();
     let reach = (s1 - s3).abs().max(s1.abs()).max(s3.abs());
     // Without stress the envelope alone says how large the picture must be.
-    let reach = if reach > 0.0 { reach } else { lines.iter().map(|l| l.size_pa()).fold(1.0, f64::max) };
-    let grid_color = ui.visuals().widgets.noninteractive.bg_stroke.color;
-    Plot::new("Mohr's circles")
-        .grid_color(grid_color)
-        .height(HEIGHT)
-        .data_aspect(1.0)
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .allow_boxed_zoom(false)
+    let strength = |line: &Limit| line.first().map_or(0.0, |[sigma, tau]| sigma.abs().max(*tau));
+    let reach = if reach > 0.0 { reach } else { lines.iter().map(strength).fold(1.0, f64::max) };
+    figure(ui, "Mohr's circles")
         .include_x(s3 - 0.3 * reach)
         .include_x(s1 + 0.3 * reach)
         .include_y(0.8 * reach)
         .include_y(-0.8 * reach)
-        .x_axis_formatter(|mark, _| measured(mark.value, "Pa"))
-        .y_axis_formatter(|mark, _| measured(mark.value, "Pa"))
         .show(ui, |plot| {
             for (name, high, low) in [("s1, s3", s1, s3), ("s1, s2", s1, s2), ("s2, s3", s2, s3)] {
                 plot.line(
                     Line::new(name, circle(0.5 * (high + low), 0.5 * (high - low))).color(CIRCLE).width(1.6),
                 );
             }
-            for limit in &lines {
-                match limit {
-                    Limit::Tension(strength_pa) => {
-                        plot.vline(VLine::new("tension", *strength_pa).color(ENVELOPE))
-                    }
-                    Limit::Shear { cohesion_pa, slope } => {
-                        let (low, high) =
-                            (s3 - 2.0 * reach, (s1 + 2.0 * reach).min(apex(*cohesion_pa, *slope)));
-                        for sign in [1.0, -1.0] {
-                            let points = [low, high].map(|s| [s, sign * (cohesion_pa - s * slope)]);
-                            plot.line(Line::new("shear", points.to_vec()).color(ENVELOPE).width(1.4));
-                        }
-                    }
+            for line in &lines {
+                for sign in [1.0, -1.0] {
+                    let points: Vec<[f64; 2]> =
+                        line.iter().map(|[sigma, tau]| [*sigma, sign * tau]).collect();
+                    plot.line(Line::new("envelope", points).color(ENVELOPE).width(1.4));
                 }
             }
         });
-    if inspection.criterion.is_some() && lines.is_empty() {
-        ui.label(
-            RichText::new("This criterion has no envelope in this plane: it looks at all three stresses.")
-                .small()
-                .weak(),
-        );
+    if inspection.criterion.is_some() {
+        let text = "Mohr's circles; red: what touches it fails (with s2 where it is between s1 and s3 now).";
+        ui.label(RichText::new(text).small().weak());
     }
+}
+
+/// A plot that stands still.
+pub fn figure(ui: &Ui, name: &str) -> Plot<'static> {
+    Plot::new(name.to_owned())
+        .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
+        .height(HEIGHT)
+        .data_aspect(1.0)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .x_axis_formatter(|mark, _| measured(mark.value, "Pa"))
+        .y_axis_formatter(|mark, _| measured(mark.value, "Pa"))
 }
 
 fn circle(centre: f64, radius: f64) -> Vec<[f64; 2]> {
@@ -122,37 +129,29 @@ fn circle(centre: f64, radius: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// A line of the envelope: what touches it fails.
-enum Limit {
-    /// At this normal stress, Pa.
-    Tension(f64),
-    /// At the shear stress `cohesion - slope * normal stress`.
-    Shear { cohesion_pa: f64, slope: f64 },
+/// A line of the envelope, `[sigma, tau]`, Pa: what touches it fails.
+type Limit = Vec<[f64; 2]>;
+
+/// The envelope of each rule, from far in pressure to the apex.
+fn envelope(criterion: &Criterion, principal_pa: DVec3) -> Vec<Limit> {
+    let [s1, _, s3] = principal_pa.to_array();
+    let size_pa = s1.abs().max(s3.abs());
+    criterion.rules().iter().filter_map(|rule| limit(&rule.strength, principal_pa, size_pa)).collect()
 }
 
-impl Limit {
-    fn size_pa(&self) -> f64 {
-        match self {
-            Self::Tension(size_pa) | Self::Shear { cohesion_pa: size_pa, .. } => *size_pa,
-        }
+fn limit(strength: &Strength, principal_pa: DVec3, size_pa: f64) -> Option<Limit> {
+    if let Strength::Tensile { tensile_strength_pa } = strength {
+        // All its circles touch in one point; what is forbidden lies to the right of it.
+        return Some(vec![
+            [*tensile_strength_pa, 0.0],
+            [*tensile_strength_pa, 3.0 * size_pa.max(*tensile_strength_pa)],
+        ]);
     }
-}
-
-/// Where the two lines of an envelope meet, Pa.
-fn apex(cohesion_pa: f64, slope: f64) -> f64 {
-    if slope > 0.0 { cohesion_pa / slope } else { f64::INFINITY }
-}
-
-fn envelope(criterion: &Criterion) -> Vec<Limit> {
-    let limit = |strength: &Strength| match *strength {
-        Strength::Tensile { tensile_strength_pa } => Some(Limit::Tension(tensile_strength_pa)),
-        Strength::Tresca { shear_strength_pa } => {
-            Some(Limit::Shear { cohesion_pa: shear_strength_pa, slope: 0.0 })
-        }
-        Strength::MohrCoulomb { cohesion_pa, friction_angle_rad } => {
-            Some(Limit::Shear { cohesion_pa, slope: friction_angle_rad.tan() })
-        }
-        _ => None,
-    };
-    criterion.rules().iter().filter_map(|rule| limit(&rule.strength)).collect()
+    let criterion = Criterion::single(strength.clone()).ok()?;
+    let (_, _, angle_rad) = principal_place(principal_pa);
+    let along = principal_point_pa(0.0, 1.0, angle_rad);
+    let own_pa = distance_along_pa(&criterion, DVec3::ZERO, along).ok()??;
+    let reach_pa = 4.0 * own_pa.max(size_pa);
+    let range = DrawnRange { mean_pa: [-reach_pa, reach_pa], reach_pa: 8.0 * reach_pa };
+    mohr_envelope(&criterion, angle_rad, 65, &range).ok().filter(|line| line.len() > 1)
 }

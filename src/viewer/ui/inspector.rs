@@ -1,6 +1,6 @@
 //! The panel at the right: what is shown, and the plots.
 
-use super::{Action, element, plots, save, widgets};
+use super::{Action, closer, element, plots, save, widgets};
 use crate::frame::ColorBy;
 use crate::render::NamedView;
 use crate::viewer::app::App;
@@ -10,10 +10,11 @@ use egui::{ComboBox, Ui};
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     widgets::side_scroll().show(ui, |ui| {
         widgets::section(ui, "View", |ui| view(ui, app, actions));
+        widgets::section(ui, "Inside", |ui| closer::show(ui, app, actions));
         widgets::section(ui, "Take it home", |ui| save::show(ui, app, actions));
         let history = app.snapshot.history.clone();
         widgets::section(ui, "Element", |ui| {
-            element::show(ui, app.snapshot.inspection.as_ref(), app.player.is_back());
+            element::show(ui, app);
         });
         let now_s = app.shown().time_s;
         for figure in &plots::FIGURES {
@@ -40,8 +41,11 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
             });
     });
     if look.color_by != before {
+        // What was typed was in another unit.
+        look.typed_range.is_on = false;
         actions.push(Action::ColorsEdited);
     }
+    closer::color_range(ui, look);
     row(ui, "Look from", |ui| {
         ui.horizontal(|ui| {
             let width = ui.available_width() - 62.0;
@@ -70,7 +74,7 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         let hint = "Moves the fragments apart, only for the eye";
         ui.add(egui::Slider::new(&mut look.explode, 0.0..=2.0).show_value(false)).on_hover_text(hint);
     });
-    if look.color_by.has_values() {
+    if look.color_by.has_values() && !look.typed_range.is_on {
         let hint = "The colours' range grows with what was seen; this fits it to the present moment";
         if ui.button("Fit the colours to now").on_hover_text(hint).clicked() {
             actions.push(Action::ColorsEdited);
@@ -78,7 +82,8 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     }
 }
 
-fn row(ui: &mut Ui, label: &str, value: impl FnOnce(&mut Ui)) {
+/// A value with its label before it.
+pub fn row(ui: &mut Ui, label: &str, value: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         ui.add_sized([70.0, 20.0], egui::Label::new(label).halign(egui::Align::Min));
         value(ui);

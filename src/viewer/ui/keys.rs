@@ -6,7 +6,7 @@ use crate::viewer::app::SaveKind;
 use egui::{Context, Key, Modifiers};
 
 /// The keys with what they do, for the help.
-pub const KEYS: [(&str, &str); 14] = [
+pub const KEYS: [(&str, &str); 16] = [
     ("Space", "play or pause"),
     (".", "one step"),
     ("R", "back to the start, with the values on the sliders"),
@@ -18,6 +18,8 @@ pub const KEYS: [(&str, &str); 14] = [
     ("Ctrl Z", "take the last throw or removal back"),
     ("Ctrl S", "save the scene"),
     ("W", "edges of the elements"),
+    ("C", "cut the bodies open, or close them again"),
+    ("X", "stress crosses"),
     ("G", "the scenes"),
     ("F1", "this help"),
     ("Esc", "close help or message"),
@@ -56,6 +58,8 @@ pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Ve
     on(Key::R, Action::Reset);
     on(Key::F, Action::FrameAll);
     on(Key::W, Action::ToggleWireframe);
+    on(Key::C, Action::ToggleCut);
+    on(Key::X, Action::ToggleCrosses);
     for (key, view) in DIGITS.into_iter().zip(NamedView::ALL) {
         on(key, Action::LookFrom(view));
     }

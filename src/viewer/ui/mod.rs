@@ -1,6 +1,7 @@
 //! The panels: functions over `&mut Ui` and the state they show. What was asked for comes back as [`Action`]s.
 
 mod banner;
+mod closer;
 mod contact;
 mod element;
 mod fracture;
@@ -14,6 +15,7 @@ mod parameters;
 mod plots;
 mod save;
 mod status;
+mod stress_space;
 pub mod style;
 mod throw;
 mod timeline;
@@ -24,6 +26,7 @@ mod widgets;
 pub use widgets::open_only;
 
 use super::app::{App, SaveKind};
+use super::closer::Closer;
 use super::thrown::Throw;
 use crate::render::NamedView;
 use egui::{Panel, Ui};
@@ -84,6 +87,12 @@ pub enum Action {
     ColorsEdited,
     /// Edges of the elements on or off.
     ToggleWireframe,
+    /// Cut the bodies open, or close them again.
+    ToggleCut,
+    /// The cutting plane was moved or turned.
+    CutEdited(Closer),
+    /// Stress crosses on or off.
+    ToggleCrosses,
     /// Light or dark.
     ToggleDark,
     /// Keys and mouse.

@@ -1,0 +1,237 @@
+//! Looking closer: the cutting plane, stress crosses, fragments apart, and a colour range of one's own.
+
+use super::exploded::exploded;
+use crate::frame::{ColorBy, Frame};
+use crate::render::{Cut, Range, look_inside, parse_with_unit, with_unit};
+use glam::Vec3;
+
+/// Smallest and largest coordinates, m.
+type Bounds = ([f32; 3], [f32; 3]);
+
+/// How the cutting plane stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CutDirection {
+    /// Across the x axis.
+    X,
+    /// Across the y axis.
+    #[default]
+    Y,
+    /// Across the z axis: level.
+    Z,
+    /// Across a direction given by two angles.
+    Free,
+}
+
+impl CutDirection {
+    /// All of them with their labels.
+    pub const ALL: [(Self, &'static str); 4] =
+        [(Self::X, "x"), (Self::Y, "y"), (Self::Z, "z"), (Self::Free, "Free")];
+}
+
+/// What the user chose about the inside of bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Closer {
+    /// Whether bodies are cut open.
+    pub is_cut: bool,
+    /// How the plane stands.
+    pub direction: CutDirection,
+    /// Of a free direction: angle around the vertical, from the x axis, degrees.
+    pub azimuth_deg: f32,
+    /// Of a free direction: angle above the horizontal, degrees.
+    pub elevation_deg: f32,
+    /// Where the plane is along its direction, m.
+    pub position_m: f32,
+    /// Whether the other side is left out.
+    pub is_flipped: bool,
+    /// Whether principal stresses are drawn.
+    pub with_crosses: bool,
+    /// What bodies have reached so far: the way of the slider.
+    extent_m: Option<Bounds>,
+}
+
+impl Closer {
+    /// Forgets the extent of an earlier scene, and looks at nothing inside.
+    pub fn open(&mut self, frame: &Frame) {
+        *self = Self { extent_m: frame.bounds_m(), ..Self::default() };
+    }
+
+    /// Makes the slider reach all of a frame.
+    pub fn take_in(&mut self, frame: &Frame) {
+        let Some((low, high)) =
+            frame.bounds_m().filter(|(low, high)| low.iter().chain(high).all(|x| x.is_finite()))
+        else {
+            return;
+        };
+        let (known_low, known_high) = self.extent_m.unwrap_or((low, high));
+        self.extent_m = Some((
+            std::array::from_fn(|i| low[i].min(known_low[i])),
+            std::array::from_fn(|i| high[i].max(known_high[i])),
+        ));
+    }
+
+    /// The direction across which the plane stands; a unit vector.
+    #[must_use]
+    pub fn normal(&self) -> Vec3 {
+        match self.direction {
+            CutDirection::X => Vec3::X,
+            CutDirection::Y => Vec3::Y,
+            CutDirection::Z => Vec3::Z,
+            CutDirection::Free => {
+                let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
+                let (up, flat) = self.elevation_deg.to_radians().sin_cos();
+                Vec3::new(flat * cos, flat * sin, up)
+            }
+        }
+    }
+
+    /// The positions between which the plane meets the scene, m.
+    #[must_use]
+    pub fn span_m(&self) -> [f32; 2] {
+        Cut::span_m(self.normal(), self.extent_m.unwrap_or_default())
+    }
+
+    /// Puts the plane through the middle of the scene.
+    pub fn center(&mut self) {
+        let [low, high] = self.span_m();
+        self.position_m = 0.5 * (low + high);
+    }
+
+    /// Cuts the bodies open through their middle, or closes them again.
+    pub fn toggle_cut(&mut self, now: &Frame) {
+        self.is_cut = !self.is_cut;
+        if self.is_cut {
+            let [low, high] = Cut::span_m(self.normal(), now.bounds_m().unwrap_or_default());
+            self.position_m = 0.5 * (low + high);
+        }
+    }
+
+    /// The plane, where there is one.
+    #[must_use]
+    pub fn cut(&self) -> Option<Cut> {
+        let sign = if self.is_flipped { -1.0 } else { 1.0 };
+        Cut::new(sign * self.normal(), sign * self.position_m).filter(|_| self.is_cut)
+    }
+}
+
+/// What is done to a frame before it is drawn. Only for the eye: nothing of it reaches the simulation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seeing {
+    /// How far fragments are moved apart, as a share of their distance from the middle.
+    pub explode: f32,
+    /// Where bodies are cut open.
+    pub cut: Option<Cut>,
+    /// Whether principal stresses are drawn.
+    pub with_crosses: bool,
+}
+
+impl Seeing {
+    /// Whether frames are drawn as they are.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether what is inside bodies is needed for it.
+    #[must_use]
+    pub fn needs_interior(&self) -> bool {
+        self.cut.is_some() || self.with_crosses
+    }
+
+    /// The frame as it is drawn.
+    #[must_use]
+    pub fn of(&self, frame: &Frame) -> Frame {
+        let apart = (self.explode > 0.0).then(|| exploded(frame, self.explode));
+        let apart = apart.as_ref().unwrap_or(frame);
+        if self.needs_interior() {
+            look_inside(apart, self.cut.as_ref(), self.with_crosses)
+        } else {
+            apart.clone()
+        }
+    }
+}
+
+/// Whether a frame can be looked into.
+#[must_use]
+pub fn has_interior(frame: &Frame) -> bool {
+    frame.bodies.iter().any(|body| body.interior.is_some())
+}
+
+/// A colour range as it is typed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TypedRange {
+    /// Whether it counts.
+    pub is_on: bool,
+    /// The lower end.
+    pub low: String,
+    /// The upper end.
+    pub high: String,
+}
+
+impl TypedRange {
+    /// Starts from the range that colours have now.
+    pub fn start_from(&mut self, range: Option<Range>, color_by: ColorBy) {
+        let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
+        let text = |value: f32| with_unit(f64::from(value), color_by.unit());
+        *self = Self { is_on: true, low: text(range.low), high: text(range.high) };
+    }
+
+    /// The range; `None` when colours find their own.
+    ///
+    /// # Errors
+    /// What is wrong with what was typed.
+    pub fn range(&self, color_by: ColorBy) -> Result<Option<Range>, String> {
+        if !self.is_on || !color_by.has_values() {
+            return Ok(None);
+        }
+        let end = |text: &str| {
+            parse_with_unit(text, color_by.unit()).ok_or_else(|| match color_by.unit() {
+                "" => format!("“{}” is no number", text.trim()),
+                unit => format!("“{}” is no value in {unit}", text.trim()),
+            })
+        };
+        let (low, high) = (end(&self.low)?, end(&self.high)?);
+        Range::chosen(low, high)
+            .map(Some)
+            .map_err(|reason| format!("Until this is mended colours find their own range: {reason}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::BodyFrame;
+
+    #[test]
+    fn the_plane_goes_through_the_middle_and_flips() {
+        let positions_m = vec![[0.0, -1.0, 0.0], [2.0, 3.0, 1.0]];
+        let frame =
+            Frame { bodies: vec![BodyFrame { positions_m, ..Default::default() }], ..Default::default() };
+        let mut closer = Closer::default();
+        closer.open(&frame);
+        assert!(closer.cut().is_none());
+        closer.toggle_cut(&frame);
+        assert_eq!(closer.cut(), Cut::new(Vec3::Y, 1.0));
+        closer.is_flipped = true;
+        let flipped = closer.cut().unwrap();
+        assert!(flipped.beyond_m([0.0, 0.5, 0.0]) > 0.0 && flipped.beyond_m([0.0, 1.5, 0.0]) < 0.0);
+        (closer.direction, closer.azimuth_deg, closer.elevation_deg) = (CutDirection::Free, 90.0, 90.0);
+        assert!((closer.normal() - Vec3::Z).length() < 1e-6);
+        closer.center();
+        assert!((closer.position_m - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn typed_ranges_are_checked() {
+        let mut typed = TypedRange::default();
+        assert_eq!(typed.range(ColorBy::VonMises), Ok(None));
+        typed.start_from(Some(Range { low: -2e6, high: 2e6 }), ColorBy::MeanStress);
+        assert_eq!(typed.range(ColorBy::MeanStress), Ok(Some(Range { low: -2e6, high: 2e6 })));
+        typed.high = "1 kPa".to_owned();
+        assert_eq!(typed.range(ColorBy::MeanStress), Ok(Some(Range { low: -2e6, high: 1e3 })));
+        typed.low = "5 kPa".to_owned();
+        assert!(typed.range(ColorBy::MeanStress).unwrap_err().contains("below"));
+        typed.low = "much".to_owned();
+        assert!(typed.range(ColorBy::MeanStress).unwrap_err().contains("much"));
+        assert_eq!(typed.range(ColorBy::Body), Ok(None));
+    }
+}

@@ -1,0 +1,94 @@
+//! Looking closer: cutting plane, stress crosses, and a typed range of the colours.
+
+use super::Action;
+use super::inspector::row;
+use super::widgets::measured;
+use crate::render::parse_with_unit;
+use crate::viewer::app::App;
+use crate::viewer::closer::{Closer, CutDirection};
+use crate::viewer::look::Look;
+use egui::{DragValue, RichText, Slider, TextEdit, Ui};
+
+/// Shows the switches.
+pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+    let closer = app.look.closer;
+    let mut is_cut = closer.is_cut;
+    if ui.checkbox(&mut is_cut, "Cut the bodies open").on_hover_text("Cutting plane (C)").changed() {
+        actions.push(Action::ToggleCut);
+    }
+    if is_cut {
+        let mut edited = closer;
+        plane(ui, &mut edited);
+        if edited != closer {
+            actions.push(Action::CutEdited(edited));
+        }
+    }
+    let mut with_crosses = closer.with_crosses;
+    let hint = "Principal directions as lines, the longer the larger the stress (X)";
+    if ui.checkbox(&mut with_crosses, "Stress crosses").on_hover_text(hint).changed() {
+        actions.push(Action::ToggleCrosses);
+    }
+}
+
+fn plane(ui: &mut Ui, closer: &mut Closer) {
+    let before = closer.normal();
+    row(ui, "Across", |ui| {
+        for (direction, label) in CutDirection::ALL {
+            ui.selectable_value(&mut closer.direction, direction, label);
+        }
+    });
+    if closer.direction == CutDirection::Free {
+        angle(ui, "Turn", &mut closer.azimuth_deg, 180.0);
+        angle(ui, "Tilt", &mut closer.elevation_deg, 90.0);
+    }
+    if closer.normal() != before {
+        closer.center();
+    }
+    let [low, high] = closer.span_m();
+    row(ui, "Place", |ui| {
+        ui.spacing_mut().slider_width = (ui.available_width() - 76.0).max(40.0);
+        let slider = Slider::new(&mut closer.position_m, low..=high)
+            .smart_aim(false)
+            .custom_formatter(|value, _| measured(value, "m"))
+            .custom_parser(|text| parse_with_unit(text, "m"));
+        ui.add(slider).on_hover_text("Where the plane is along its direction");
+    });
+    ui.checkbox(&mut closer.is_flipped, "Leave out the other side");
+}
+
+fn angle(ui: &mut Ui, label: &str, value_deg: &mut f32, most_deg: f32) {
+    row(ui, label, |ui| {
+        ui.spacing_mut().slider_width = (ui.available_width() - 58.0).max(40.0);
+        ui.add(Slider::new(value_deg, -most_deg..=most_deg).show_value(false));
+        ui.add(DragValue::new(value_deg).range(-most_deg..=most_deg).suffix("°").max_decimals(1));
+    });
+}
+
+/// The range of the colours: found, or typed.
+pub fn color_range(ui: &mut Ui, look: &mut Look) {
+    if !look.color_by.has_values() {
+        return;
+    }
+    let (found, color_by) = (look.found_range(), look.color_by);
+    let typed = &mut look.typed_range;
+    let mut is_found = !typed.is_on;
+    let hint = "Off: type the values at the ends of the colours";
+    if ui.checkbox(&mut is_found, "Colours find their own range").on_hover_text(hint).changed() {
+        if is_found {
+            typed.is_on = false;
+        } else {
+            typed.start_from(found, color_by);
+        }
+    }
+    if !typed.is_on {
+        return;
+    }
+    row(ui, "From, to", |ui| {
+        let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
+        ui.add(TextEdit::singleline(&mut typed.low).desired_width(width - 8.0));
+        ui.add(TextEdit::singleline(&mut typed.high).desired_width(width - 8.0));
+    });
+    if let Err(reason) = typed.range(color_by) {
+        ui.label(RichText::new(reason).small().color(ui.visuals().error_fg_color));
+    }
+}
