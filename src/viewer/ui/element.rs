@@ -151,7 +151,7 @@ fn limit(strength: &Strength, principal_pa: DVec3, size_pa: f64) -> Option<Limit
     let (_, _, angle_rad) = principal_place(principal_pa);
     let along = principal_point_pa(0.0, 1.0, angle_rad);
     let own_pa = distance_along_pa(&criterion, DVec3::ZERO, along).ok()??;
-    let reach_pa = 4.0 * own_pa.max(size_pa);
+    let reach_pa = 2.5 * own_pa.max(size_pa);
     let range = DrawnRange { mean_pa: [-reach_pa, reach_pa], reach_pa: 8.0 * reach_pa };
     mohr_envelope(&criterion, angle_rad, 65, &range).ok().filter(|line| line.len() > 1)
 }
