@@ -90,6 +90,8 @@ pub(super) struct Elasticity {
     pub damping_per_s: f64,
     /// Stiffness-proportional damping, s.
     pub stiffness_damping_s: f64,
+    /// What damping by stiffness adds to the accelerations of the nodes, m/s2; empty without it.
+    pub damping_m_s2: Vec<DVec3>,
     pub strain_energy_j: f64,
     pub max_strain: f64,
     /// Factor on the critical step for large strain, held over many steps (see `Body::hold_step_factor`).
@@ -469,6 +471,7 @@ fn build_elasticity(setup: &BodySetup) -> Result<(Option<Elasticity>, Vec<f64>),
         critical_step_s: mass_scaling.step_after_s,
         damping_per_s: mean(|m| m.damping_per_s),
         stiffness_damping_s: mean(|m| m.stiffness_damping_s),
+        damping_m_s2: Vec::new(),
         elements,
         scratch: ForceScratch::default(),
         strain_energy_j: 0.0,

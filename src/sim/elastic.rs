@@ -244,6 +244,7 @@ impl Body {
         let kinematics = self.element_kinematics();
         let Some(elasticity) = &mut self.elasticity else { return };
         let beta = elasticity.stiffness_damping_s;
+        elasticity.damping_m_s2.clear();
         if beta <= 0.0 || step_s <= 0.0 {
             return;
         }
@@ -251,8 +252,10 @@ impl Body {
             self.position_m.iter().zip(&self.velocity_m_s).map(|(x, v)| *x + *v * beta).collect();
         let mut damped_n = vec![DVec3::ZERO; ahead.len()];
         elasticity.elements.forces(&mut elasticity.scratch, &ahead, kinematics, &mut damped_n);
-        for ((force, damped), v) in self.force_n.iter_mut().zip(damped_n).zip(&self.velocity_m_s) {
+        let nodes = self.force_n.iter_mut().zip(damped_n).zip(&self.velocity_m_s).zip(&self.mass_kg);
+        for (((force, damped), v), mass) in nodes {
             self.ledger.damped_j -= (damped - *force).dot(*v) * step_s;
+            elasticity.damping_m_s2.push((damped - *force) / *mass);
             *force = damped;
         }
     }

@@ -132,15 +132,19 @@ impl Body {
 
     /// Holds the nodes of the changed elements as they were before the cuts; see [`super::release`].
     fn hold_crack_faces(&mut self, context: &StepContext, changes: &Changes) {
-        let before = &mut self.acceleration_m_s2;
-        for birth in &changes.new_nodes {
-            before.push(match *birth {
-                NodeBirth::TwinOf(parent) => before[parent as usize],
-                NodeBirth::OnEdge { ends: [a, b], weight } => {
-                    before[a as usize].lerp(before[b as usize], weight)
-                }
-            });
-        }
+        let inherit = |of_nodes: &mut Vec<DVec3>| {
+            for birth in &changes.new_nodes {
+                of_nodes.push(match *birth {
+                    NodeBirth::TwinOf(parent) => of_nodes[parent as usize],
+                    NodeBirth::OnEdge { ends: [a, b], weight } => {
+                        of_nodes[a as usize].lerp(of_nodes[b as usize], weight)
+                    }
+                });
+            }
+        };
+        inherit(&mut self.acceleration_m_s2);
+        let damping = self.elasticity.as_mut().map(|e| &mut e.damping_m_s2);
+        damping.filter(|damping| !damping.is_empty()).into_iter().for_each(inherit);
         let touched = || changes.touched_nodes.iter().copied();
         let free_m_s2: Vec<(u32, DVec3)> = touched().map(|n| (n, self.acceleration_of(n, context))).collect();
         let reach_m = changes.cuts.iter().map(|cut| cut.reach_m).fold(f64::INFINITY, f64::min);
@@ -159,7 +163,9 @@ impl Body {
         breaking.releases.add(context.time_s, duration_s, held_n);
     }
 
-    /// Acceleration of one node of a body that can break by all forces that act on it now, m/s2.
+    /// Acceleration of one node of a body that can break by all forces that act on it now, m/s2. That by damping of
+    /// stiffness is the one from before the cut, so that nothing of it is held: its sum over the nodes of a cut is not
+    /// zero, and what is held with it would push the body.
     fn acceleration_of(&self, node: u32, context: &StepContext) -> DVec3 {
         let (Some(breaking), Some(elasticity)) = (&self.breaking, &self.elasticity) else {
             return DVec3::ZERO;
@@ -180,7 +186,8 @@ impl Body {
             let at_node = load.node_forces_n.iter().filter(|(n, _)| *n == node);
             force_n += at_node.map(|(_, full_n)| *full_n * load.share(context.time_s)).sum::<DVec3>();
         }
-        force_n / self.mass_kg[node as usize] + context.gravity_m_s2
+        let damping_m_s2 = elasticity.damping_m_s2.get(node as usize).copied().unwrap_or_default();
+        force_n / self.mass_kg[node as usize] + damping_m_s2 + context.gravity_m_s2
     }
 }
 

@@ -525,7 +525,8 @@ fn bounds_m(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
 fn check(setup: &WorldSetup) -> Result<(), SimError> {
     let fail = |text: &str| Err(SimError::Setup(text.to_owned()));
     let time = &setup.time;
-    if setup.bodies.is_empty() {
+    let comes = |planned: &super::PlannedChange| matches!(planned.change, super::Change::Enter(_));
+    if setup.bodies.is_empty() && !setup.changes.iter().any(comes) {
         return fail("the world has no bodies");
     }
     if !(time.cfl > 0.0 && time.cfl <= 1.0) {
