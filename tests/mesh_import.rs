@@ -4,6 +4,11 @@
 //! tables; each row is checked here. Without the folder the tests say so and pass, except where
 //! `CI` is set: there it must be present.
 
+#[path = "../fuzz/entries.rs"]
+#[expect(dead_code, reason = "the other entries have their tests elsewhere")]
+mod entries;
+mod fuzzing;
+
 use hammerfall::mesh::MeshReport;
 use hammerfall::mesh::import::{ImportError, ImportOptions, ImportedMesh, Problem, read_mesh};
 use std::io::Write as _;
@@ -308,6 +313,12 @@ fn damaged_files_are_errors_or_sound_meshes() {
             }
         }
     }
+    assert_memory_stayed_small();
+}
+
+#[test]
+fn fuzzed_bytes_are_errors_or_sound_meshes() {
+    fuzzing::run("mesh", 20_000, entries::mesh);
     assert_memory_stayed_small();
 }
 

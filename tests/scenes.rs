@@ -1,6 +1,11 @@
 //! Scenes as users meet them: the shipped ones build, wrong ones are refused with the place and the
 //! reason, overrides reach every value, and nothing that can be typed makes the program panic.
 
+#[path = "../fuzz/entries.rs"]
+#[expect(dead_code, reason = "the other entries have their tests elsewhere")]
+mod entries;
+mod fuzzing;
+
 use hammerfall::scene::{BUILTIN_SCENES, Location, Scene, SceneError, SceneSummary, overlap};
 use hammerfall::sim::{BodyMotion, BoundaryAction, ContactMethod, World};
 use std::io::Write as _;
@@ -659,6 +664,55 @@ fn random_overrides_never_panic() {
             assert!(!error.problems().is_empty(), "{text_of_override}");
         }
     }
+}
+
+#[test]
+fn fuzzed_scenes_are_refused_or_sound() {
+    fuzzing::run("scene", 700, entries::scene);
+}
+
+#[test]
+fn fuzzed_formulas_are_refused_or_have_values() {
+    fuzzing::run("formula", 20_000, entries::formula);
+}
+
+/// Refused by count, before ten thousand meshes are made.
+#[test]
+fn copies_beyond_all_memory_are_refused() {
+    let refused = build(include_str!("corpus/scene/many_copies.toml"), &[]).unwrap_err().to_string();
+    assert!(refused.contains("1620000000 elements"), "{refused}");
+}
+
+/// Nesting is recursion: neither text nor overrides may use up the stack.
+#[test]
+fn depth_without_end_is_refused() {
+    let smallest = include_str!("corpus/scene/smallest.toml");
+    for depth in [100, 100_000] {
+        let dotted = vec!["a"; depth].join(".");
+        let brackets = "[".repeat(depth) + &"]".repeat(depth);
+        let tables = "{a=".repeat(depth) + "1" + &"}".repeat(depth);
+        for text in [
+            format!("{dotted} = 1\n{smallest}"),
+            format!("{smallest}\n[{dotted}]\n"),
+            format!("{smallest}\n[[{dotted}]]\n"),
+        ]
+        .into_iter()
+        .chain([&brackets, &tables].map(|value| format!("a = {value}\n{smallest}")))
+        {
+            assert!(build(&text, &[]).is_err(), "{depth}: {}", &text[..40]);
+        }
+        for value in ["1", &brackets, &tables] {
+            for path in [&dotted, "bodies", "time.duration"] {
+                let text = format!("{path}={value}");
+                assert!(build(smallest, &[&text]).is_err() || *path != *dotted, "{depth}: {}", &text[..20]);
+            }
+        }
+    }
+    let formula = "(".repeat(100_000) + "s1" + &")".repeat(100_000);
+    entries::formula(formula.as_bytes());
+    entries::formula("-".repeat(100_000).as_bytes());
+    entries::formula("s1^".repeat(100_000).as_bytes());
+    entries::formula("s1+".repeat(100_000).as_bytes());
 }
 
 /// Words, numbers, blanks and signs, which together are the text again.

@@ -34,7 +34,10 @@ pub(super) fn build(scene: &SceneDescription, folder: &Path) -> Result<Built, Ve
     let mut builder =
         Builder { scene, problems: Vec::new(), notes: Vec::new(), placed: Vec::new(), bodies: Vec::new() };
     let meshes = builder.meshes(folder);
-    let fits = builder.check_size(&meshes);
+    if !builder.check_size(&meshes) {
+        // Nobody has the memory for it.
+        return Err(builder.problems);
+    }
     builder.ground();
     for (index, mesh) in meshes.into_iter().enumerate() {
         if let Some(mesh) = mesh {
@@ -43,11 +46,9 @@ pub(super) fn build(scene: &SceneDescription, folder: &Path) -> Result<Built, Ve
     }
     // Who enters later comes after all that are there, in the order of entering, as in the running world.
     builder.bodies.sort_by(|a, b| enters_s(scene, a).total_cmp(&enters_s(scene, b)));
-    if fits {
-        let there = builder.bodies.partition_point(|body| enters_s(scene, body) == FROM_THE_START);
-        let overlaps = overlaps(scene, &builder.bodies[..there]);
-        builder.problems.extend(overlaps);
-    }
+    let there = builder.bodies.partition_point(|body| enters_s(scene, body) == FROM_THE_START);
+    let overlaps = overlaps(scene, &builder.bodies[..there]);
+    builder.problems.extend(overlaps);
     builder.finish()
 }
 
@@ -76,11 +77,17 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn meshes(&mut self, folder: &Path) -> Vec<Option<ShapeMesh>> {
         let mut meshes = Vec::with_capacity(self.scene.bodies.len());
+        let mut elements = 0;
         for (index, body) in self.scene.bodies.iter().enumerate() {
+            // More than the limit is refused as a whole; so many meshes of that size would fill the memory before.
+            if elements > ELEMENT_LIMIT {
+                break;
+            }
             match mesh_of(&body.shape, folder) {
                 Ok(mesh) => {
                     let notes = mesh.notes.iter().map(|note| (body.name.clone(), note.clone()));
                     self.notes.extend(notes);
+                    elements += mesh.mesh.tets.len();
                     meshes.push(Some(mesh));
                 }
                 Err(problem) => {
@@ -103,7 +110,7 @@ impl Builder<'_> {
             self.problems.push((
                 "bodies".to_owned(),
                 format!(
-                    "the scene has {elements} elements, and at most {ELEMENT_LIMIT} are allowed; \
+                    "the scene has {elements} elements or more, and at most {ELEMENT_LIMIT} are allowed; \
                      take coarser shapes or fewer copies"
                 ),
             ));

@@ -102,6 +102,21 @@ impl Scene {
         Self::from_document(document, folder, overrides)
     }
 
+    /// What a text with overrides on top says, read and checked value by value, before any mesh is made or mesh file
+    /// looked for.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with everything that is wrong so far.
+    pub fn describe(label: &str, text: &str, overrides: &[String]) -> Result<SceneDescription, SceneError> {
+        let mut document = SceneDocument::parse(label, text)?;
+        let mut problems = document.try_apply(overrides);
+        let findings = Findings::default();
+        let mut description = parse::read_scene(document.root(), &findings);
+        parse::check_whole(&mut description, document.root(), &findings);
+        problems.extend(findings.into_problems());
+        if problems.is_empty() { Ok(description) } else { Err(document.invalid(problems)) }
+    }
+
     /// This scene with further overrides on top: what a slider of the viewer does.
     ///
     /// # Errors

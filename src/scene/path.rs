@@ -50,8 +50,14 @@ pub(super) fn split(path: &str) -> Result<Vec<&str>, String> {
              `materials.glass.density` or `bodies.hammer.velocity[2]`"
         ));
     }
+    if parts.len() > MOST_STEPS {
+        return Err(format!("the path has {} steps, and nothing in a scene lies so deep", parts.len()));
+    }
     Ok(parts)
 }
+
+/// Steps of a path at most: each is a level of recursion, and the deepest value of a scene has seven.
+const MOST_STEPS: usize = 32;
 
 /// Where the value at `path` came from; the nearest table around it when it is absent.
 pub(super) fn locate(root: &Node, path: &str) -> Origin {

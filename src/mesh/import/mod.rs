@@ -61,13 +61,26 @@ pub struct ImportedMesh {
 /// [`ImportError`], boxed since it is large and rare, with the file, the place in it and the reason, when the file cannot be read, is
 /// of another format, malformed, or not a sound mesh of tetrahedra.
 pub fn read_mesh(path: &Path, options: &ImportOptions) -> Result<ImportedMesh, Box<ImportError>> {
-    let with_file = |failure: Failure| {
-        Box::new(ImportError { file: path.to_owned(), place: failure.place, problem: failure.problem })
-    };
-    let data = read_file(path).map_err(|problem| with_file(Failure { place: Place::default(), problem }))?;
-    let extension =
-        path.extension().map(|text| text.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    parse_mesh(&data, &extension, options).map_err(|failure| with_file(*failure))
+    let data =
+        read_file(path).map_err(|problem| in_file(path, Failure { place: Place::default(), problem }))?;
+    read_mesh_bytes(&data, path, options)
+}
+
+/// The same from the bytes of a file, which messages call `file`.
+///
+/// # Errors
+/// As [`read_mesh`].
+pub fn read_mesh_bytes(
+    data: &[u8],
+    file: &Path,
+    options: &ImportOptions,
+) -> Result<ImportedMesh, Box<ImportError>> {
+    let extension = file.extension().map(|text| text.to_string_lossy().to_ascii_lowercase());
+    parse_mesh(data, &extension.unwrap_or_default(), options).map_err(|failure| in_file(file, *failure))
+}
+
+fn in_file(file: &Path, Failure { place, problem }: Failure) -> Box<ImportError> {
+    Box::new(ImportError { file: file.to_owned(), place, problem })
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {

@@ -21,6 +21,8 @@ pub(super) struct RawMesh {
     pub quadratic: u64,
     /// Regions whose names are numbers.
     numbered: BTreeMap<i64, u32>,
+    /// Regions by name: a file may have as many as elements.
+    named: BTreeMap<String, u32>,
 }
 
 /// A tetrahedron of a file.
@@ -112,12 +114,14 @@ impl RawMesh {
 
     /// Index of the region called `name`, which is added if it is new.
     pub fn region(&mut self, name: &str) -> Read<u32> {
-        let known = self.region_names.iter().position(|known| known == name);
-        let index = known.unwrap_or_else(|| {
-            self.region_names.push(name.to_owned());
-            self.region_names.len() - 1
-        });
-        u32::try_from(index).map_err(|_| whole_file(Problem::Malformed("too many regions".into())))
+        if let Some(&region) = self.named.get(name) {
+            return Ok(region);
+        }
+        let region = u32::try_from(self.region_names.len())
+            .map_err(|_| whole_file(Problem::Malformed("too many regions".into())))?;
+        self.region_names.push(name.to_owned());
+        self.named.insert(name.to_owned(), region);
+        Ok(region)
     }
 
     /// Index of the region that is called by a number.

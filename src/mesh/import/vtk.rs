@@ -128,6 +128,8 @@ impl Reader {
         if self.arrays {
             return self.read_cell_arrays(cursor, first, second);
         }
+        // A second list takes the place of the first.
+        self.cells = Cells::default();
         cursor.end_of_line("two counts on the line")?;
         let count = cursor.room(first, "cells", 1, 4)?;
         let numbers = cursor.room(second, "numbers", 1, 4)?;

@@ -7,6 +7,7 @@ use super::super::presets::PRESETS;
 use super::super::problem::suggestion;
 use super::super::tree::{Node, Origin};
 use super::is_ground;
+use std::collections::BTreeSet;
 
 /// Checks a scene whose parts have been read one by one.
 pub(super) fn check(scene: &SceneDescription, root: &Node, findings: &Findings) {
@@ -38,7 +39,7 @@ impl Checks<'_> {
     }
 
     fn names_differ(&self) {
-        let mut seen: Vec<String> = self.scene.ground.iter().map(|_| GROUND.to_owned()).collect();
+        let mut seen: BTreeSet<String> = self.scene.ground.iter().map(|_| GROUND.to_owned()).collect();
         for (path, body) in self.bodies() {
             for name in body.names_of_copies() {
                 if seen.contains(&name) && !name.is_empty() {
@@ -47,7 +48,7 @@ impl Checks<'_> {
                         format!("there is another body called `{name}`; names must differ"),
                     );
                 }
-                seen.push(name);
+                seen.insert(name);
             }
         }
     }
