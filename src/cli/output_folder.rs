@@ -5,9 +5,9 @@
 
 use super::console::Console;
 use super::failure::Failure;
-use crate::export::create_folder;
 use crate::export::summary::{PROGRAM, SUMMARY_FILE};
 use crate::export::vtu::{COLLECTION_FILE, FRAME_FOLDER};
+use crate::export::{PARTIAL, create_folder};
 use crate::io_reason::io_reason;
 use std::path::{Path, PathBuf};
 
@@ -41,9 +41,11 @@ fn earlier_files(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The files `PREFIX` digits `SUFFIX` of a folder, by name; none when there is no folder.
+/// The files `PREFIX` digits `SUFFIX` of a folder, by name, also those that a killed program left unfinished under their
+/// temporary names; none when there is no folder.
 pub fn numbered_files(folder: &Path, prefix: &str, suffix: &str) -> Vec<PathBuf> {
     let is_numbered = |name: &str| {
+        let name = name.strip_suffix(PARTIAL).unwrap_or(name);
         name.strip_prefix(prefix)
             .and_then(|rest| rest.strip_suffix(suffix))
             .is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()))

@@ -1,9 +1,9 @@
 //! Animations as GIF files, written picture by picture.
 //!
 //! After every picture the file on disk is a complete GIF: whatever ends the program, what was
-//! written so far can be watched.
+//! written so far can be watched. Until the first picture is there the file has a temporary name.
 
-use super::ExportError;
+use super::{ExportError, partial_name};
 use crate::export::palette::Palette;
 use crate::render::Picture;
 use std::borrow::Cow;
@@ -26,6 +26,8 @@ const UNCHANGED_WITHIN: u8 = 1;
 /// Writes a GIF that loops for ever.
 pub struct GifWriter {
     path: PathBuf,
+    /// The file's name until its first picture is written.
+    unfinished: Option<PathBuf>,
     file: File,
     encoder: gif::Encoder<Vec<u8>>,
     /// Length of the file up to the last complete picture, without the end mark.
@@ -69,9 +71,13 @@ impl GifWriter {
                 Ok(encoder)
             })
             .map_err(|error| failed(error.to_string()))?;
-        let file = File::create(path).map_err(ExportError::io("write", path))?;
+        // What is there and no plain file (a pipe, a device) cannot be replaced by one.
+        let unfinished = (path.is_file() || !path.exists()).then(|| partial_name(path));
+        let file = File::create(unfinished.as_deref().unwrap_or(path));
+        let file = file.map_err(ExportError::io("write", path))?;
         Ok(Self {
             path: path.to_owned(),
+            unfinished,
             file,
             encoder,
             complete_bytes: 0,
@@ -143,6 +149,10 @@ impl GifWriter {
             let _ = self.file.write_all(&[TRAILER]);
         }
         written?;
+        if let Some(unfinished) = &self.unfinished {
+            std::fs::rename(unfinished, &self.path)?;
+            self.unfinished = None;
+        }
         self.complete_bytes += bytes.len() as u64 - 1;
         self.file.seek(SeekFrom::Start(self.complete_bytes))?;
         Ok(())
@@ -213,6 +223,15 @@ impl GifWriter {
             }
         }
         indices
+    }
+}
+
+impl Drop for GifWriter {
+    /// A file without a picture is of no use to anybody.
+    fn drop(&mut self) {
+        if let Some(unfinished) = &self.unfinished {
+            let _ = std::fs::remove_file(unfinished);
+        }
     }
 }
 

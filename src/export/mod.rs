@@ -93,11 +93,14 @@ fn write_through(path: &Path, content: &[u8]) -> io::Result<()> {
     file.sync_all()
 }
 
+/// What temporary names end in.
+pub const PARTIAL: &str = ".partial";
+
 /// The temporary name beside `path` under which it is written until it is whole.
 #[must_use]
 pub fn partial_name(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".partial");
+    name.push(PARTIAL);
     path.with_file_name(name)
 }
 

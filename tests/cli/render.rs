@@ -1,0 +1,71 @@
+//! `hammerfall render`: pictures that others can read.
+
+use crate::{Place, leftovers, send, stderr, wait, wait_for};
+use std::fs;
+use std::process::Stdio;
+
+#[test]
+fn a_moment_is_rendered_to_a_png() {
+    let place = Place::new();
+    place.succeed("render cubes.toml -o new/folder/one.png --at 50ms --color-by speed --wireframe");
+    place.succeed("render cubes.toml -o cut.png --at 50ms --color-by mean-stress --color-range -2kPa..2kPa --cut -y --crosses");
+    let picture = image::open(place.path().join("new/folder/one.png")).unwrap().to_rgb8();
+    assert_eq!(picture.dimensions(), (96, 64));
+    let first = picture.get_pixel(0, 0);
+    assert!(picture.pixels().any(|pixel| pixel != first), "an empty picture");
+}
+
+#[test]
+fn an_animation_is_rendered_to_a_gif_and_to_a_folder() {
+    use image::AnimationDecoder;
+    let place = Place::new();
+    // 0.12 s at 20 pictures a second, five times slower: one every 10 ms, both ends included.
+    place.succeed("render cubes.toml -o fall.gif --slow-motion 5 --size 64x48 --camera front");
+    let file = std::io::BufReader::new(fs::File::open(place.path().join("fall.gif")).unwrap());
+    let gif = image::codecs::gif::GifDecoder::new(file).unwrap();
+    let frames = gif.into_frames().collect_frames().unwrap();
+    assert_eq!(frames.len(), 13);
+    assert!(frames.iter().all(|frame| frame.buffer().dimensions() == (64, 48)));
+
+    place.succeed("render cubes.toml -o frames --slow-motion 2 --size 64x48");
+    let count = || fs::read_dir(place.path().join("frames")).unwrap().count();
+    assert_eq!(count(), 5);
+    place.succeed("render cubes.toml -o frames --size 64x48");
+    assert_eq!(count(), 3, "pictures of the earlier run are mixed in");
+    assert!(!leftovers(place.path()));
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_closes_the_gif() {
+    use image::AnimationDecoder;
+    let place = Place::new();
+    let child = place
+        .command("render cubes.toml -o long.gif --duration 10 --slow-motion 20 --size 64x48")
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_for(|| place.has("long.gif"));
+    send("INT", &child);
+    let output = wait(child);
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    let file = std::io::BufReader::new(fs::File::open(place.path().join("long.gif")).unwrap());
+    let gif = image::codecs::gif::GifDecoder::new(file).unwrap();
+    assert!(!gif.into_frames().collect_frames().unwrap().is_empty());
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_driver_the_message_names_the_package() {
+    let place = Place::new();
+    let output = place
+        .command("render cubes.toml -o a.png")
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .env("VK_ICD_FILENAMES", "/nonexistent")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let message = stderr(&output);
+    assert!(message.contains("mesa-vulkan-drivers"), "{message}");
+    assert!(!place.has("a.png"));
+}
