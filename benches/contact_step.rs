@@ -8,6 +8,7 @@
 //! work; `world_step` takes the times of the phases from a running world, which also renews its boxes,
 //! looks for self-collision and solves again until nothing penetrates.
 
+use crate::machine::sample_shortly;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, measurement::WallTime};
 use glam::DVec3;
 use hammerfall::contact::candidates::{Candidates, between};
@@ -50,8 +51,7 @@ fn cube(cells: u32, low_m: f64) -> TetMesh {
 /// The pieces of a contact step: search, detection, response.
 pub fn contact_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("contact_step");
-    group.sample_size(10).measurement_time(Duration::from_secs(1));
-    group.warm_up_time(Duration::from_millis(500));
+    sample_shortly(&mut group);
     for cells in CELLS {
         let press = Press::new(cells);
         let candidates = press.candidates();
@@ -182,8 +182,7 @@ type PhaseOf = fn(&PhaseTimes) -> f64;
 /// The phases of a step of a whole world in which the two boxes press on each other.
 pub fn world_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("world_step");
-    group.sample_size(10).measurement_time(Duration::from_secs(2));
-    group.warm_up_time(Duration::from_millis(500));
+    sample_shortly(&mut group);
     for cells in CELLS {
         // Built by the first measurement that wants it: `cargo bench -- elastic` need not wait.
         let mut built: Option<World> = None;
@@ -217,7 +216,7 @@ fn phase_time(world: &mut World, steps: u64, time_of: fn(&PhaseTimes) -> f64) ->
 }
 
 /// The lower box stands fixed, the top of the upper one is pressed down.
-fn pressed_world(cells: u32) -> World {
+pub fn pressed_world(cells: u32) -> World {
     let still = (DVec3::ZERO, 0.0);
     let pressed = (DVec3::NEG_Z * speed_m_s(), 2.0);
     let bodies = vec![held("lower", cube(cells, 0.0), still), held("upper", cube(cells + 1, 1.0), pressed)];

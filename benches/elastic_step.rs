@@ -1,10 +1,10 @@
 //! One elastic step, forces and central-difference update, of a box of about 1k to 1M tetrahedra.
 
+use crate::machine::sample_shortly;
 use criterion::{BenchmarkId, Criterion, Throughput};
 use glam::{DMat3, DVec3};
 use hammerfall::fem::{ElasticConstants, ElementBatches, ElementKinematics, ForceScratch};
 use rayon::prelude::*;
-use std::time::Duration;
 
 /// Boxes along each side; six tetrahedra each: 1,296, 10,368, 105,456 and 998,250.
 const CELLS: [usize; 4] = [6, 12, 26, 55];
@@ -12,7 +12,7 @@ const CELLS: [usize; 4] = [6, 12, 26, 55];
 /// Every size, kinematics, and one and two threads; the throughput is in elements a second.
 pub fn elastic_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("elastic_step");
-    group.sample_size(20).measurement_time(Duration::from_secs(3));
+    sample_shortly(&mut group);
     let body_frame = ElementKinematics::BodyFrame { rotation: DMat3::from_rotation_x(0.3) };
     for cells in CELLS {
         for (name, kinematics) in [("green", ElementKinematics::Green), ("body-frame", body_frame)] {

@@ -2,6 +2,7 @@
 //! what fails, so the times should hardly grow.
 
 use crate::elastic_step::unit_box;
+use crate::machine::sample_shortly;
 use criterion::{BatchSize, BenchmarkId, Criterion};
 use glam::DVec3;
 use hammerfall::fem::{ElasticConstants, ElementBatches, ElementKinematics, ForceScratch};
@@ -22,7 +23,7 @@ const ALTITUDE_SHARE: f64 = 0.25;
 /// One call of [`Solid::propagate`] on a fresh body, and one look for failures around one displaced node.
 pub fn fracture_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("fracture_step");
-    group.sample_size(20);
+    sample_shortly(&mut group);
     for cells in CELLS {
         let mesh = box_mesh(cells);
         let elements = mesh.tets.len();

@@ -1,19 +1,33 @@
 //! What the machine can do at the moment: to be compared with, on a busy or on another machine.
 
-use criterion::{BenchmarkId, Criterion, Throughput};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput};
 use rayon::prelude::*;
 use std::hint::black_box;
+use std::time::Duration;
 
 /// Numbers that are read: far more than caches of one's own hold.
 const NUMBERS: usize = 16 << 20;
 /// Numbers that one task reads.
 const TASK_NUMBERS: usize = 1 << 16;
 
-/// A fixed piece of arithmetic, one million dependent multiply-adds.
+/// Multiply-adds of one round of the calibration.
+pub const CALIBRATION_OPS: u32 = 100_000;
+
+/// Many short samples of as many rounds each: on a shared machine the best of them had a core to itself.
+pub fn sample_shortly(group: &mut BenchmarkGroup<WallTime>) {
+    group.sampling_mode(SamplingMode::Flat).sample_size(60);
+    group.measurement_time(Duration::from_millis(150)).warm_up_time(Duration::from_millis(200));
+}
+
+/// A fixed piece of arithmetic, dependent multiply-adds.
 pub fn arithmetic(criterion: &mut Criterion) {
-    criterion.bench_function("calibration", |bencher| {
-        bencher.iter(|| (0..1_000_000).fold(black_box(1.0), |x: f64, _| x * 0.999_999 + 1e-6));
+    let mut group = criterion.benchmark_group("calibration");
+    sample_shortly(&mut group);
+    group.bench_function("multiply-adds", |bencher| {
+        bencher.iter(|| (0..CALIBRATION_OPS).fold(black_box(1.0), |x: f64, _| x * 0.999_999 + 1e-6));
     });
+    group.finish();
 }
 
 /// Reads 128 MiB from one end to the other: the rate at which memory delivers.

@@ -1,11 +1,17 @@
-//! `cargo bench`: how long the inner loops take. One file per topic; `cargo bench -- elastic` runs one of them.
+//! `cargo bench`: how long the inner loops take, and a table of all of it at the end. One file per topic;
+//! `cargo bench -- elastic` runs one of them.
+//!
+//! `cargo bench -- --table` prints the table of what was measured last; `cargo bench -- --update-table` commits its figures
+//! to `assets/bench.json`, with which later tables are compared.
 
 mod contact_step;
+mod drawing;
 mod elastic_step;
 mod fracture_step;
 mod machine;
+mod table;
 
-use criterion::{criterion_group, criterion_main};
+use criterion::{Criterion, criterion_group};
 
 criterion_group!(
     benches,
@@ -14,6 +20,23 @@ criterion_group!(
     elastic_step::elastic_step,
     contact_step::contact_step,
     contact_step::world_step,
-    fracture_step::fracture_step
+    fracture_step::fracture_step,
+    drawing::publish,
+    drawing::draw
 );
-criterion_main!(benches);
+
+fn main() {
+    let is_asked = |word: &str| std::env::args().any(|argument| argument == word);
+    let update = is_asked("--update-table");
+    if !(update || is_asked("--table")) {
+        benches();
+        Criterion::default().configure_from_args().final_summary();
+    }
+    if is_asked("--list") {
+        return;
+    }
+    if let Err(reason) = table::print(update) {
+        eprintln!("no table: {reason}");
+        std::process::exit(1);
+    }
+}
