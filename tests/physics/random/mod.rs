@@ -8,10 +8,12 @@
 mod checks;
 mod dice;
 mod generate;
+mod inside;
 mod reduce;
 
 use checks::{Findings, check};
 use hammerfall::scene::Scene;
+use hammerfall::sim::World;
 use std::path::{Path, PathBuf};
 
 /// Scenes in an ordinary run: enough for every shape, criterion and kind of contact to come up.
@@ -72,6 +74,32 @@ fn whatever_is_thrown_together_obeys_the_laws() {
     assert!(failures.is_empty(), "{} of {count} fail:\n{}", failures.len(), failures.join("\n"));
     // What never happens is not tested.
     assert!(count < SCENES || all.has_seen_everything(), "too little happens: {all}");
+}
+
+#[test]
+fn bodies_inside_each_other_are_noticed() {
+    let text = r#"
+        title = "springs far too soft"
+        gravity = [0, 0, 0]
+        contact = { method = "penalty", penalty_stiffness = 1e-3 }
+        time = { duration = 1.0 }
+        [[bodies]]
+        name = "still"
+        shape = { type = "box", size = [0.1, 0.1, 0.1], cells = 2 }
+        material = "rubber"
+        [[bodies]]
+        name = "moving"
+        shape = { type = "box", size = [0.1, 0.1, 0.1], cells = 2 }
+        material = "rubber"
+        position = [0.013, 0.011, 0.12]
+        velocity = [0, 0, -1]"#;
+    let scene = Scene::from_text("soft", text, Path::new("."), &[]).unwrap();
+    let mut world = World::new(scene.setup).unwrap();
+    inside::check(&world).unwrap();
+    while world.time_s() < 0.06 {
+        world.step(0.06).unwrap();
+    }
+    assert!(inside::check(&world).is_err());
 }
 
 #[test]
