@@ -15,7 +15,12 @@ pub fn elastic_step(criterion: &mut Criterion) {
     sample_shortly(&mut group);
     let body_frame = ElementKinematics::BodyFrame { rotation: DMat3::from_rotation_x(0.3) };
     for cells in CELLS {
-        for (name, kinematics) in [("green", ElementKinematics::Green), ("body-frame", body_frame)] {
+        for (name, kinematics) in [
+            ("green", ElementKinematics::Green),
+            ("body-frame", body_frame),
+            ("corotated", ElementKinematics::Corotated),
+            ("neo-hookean", ElementKinematics::NeoHookean),
+        ] {
             // Built by the first measurement that wants it: the largest takes seconds.
             let mut built: Option<Body> = None;
             let elements = 6 * cells.pow(3);

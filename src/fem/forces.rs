@@ -1,8 +1,10 @@
 //! Elastic forces of a whole body: fetch, compute, add up.
 
+use super::corotated::corotated_batch;
 use super::elements::{Batch, Chunk, ElementBatches};
 use super::kernel::{CornerRows, LaneTotals, body_frame_batch, green_batch};
 use super::lanes::{BATCH, Row};
+use super::neo_hookean::neo_hookean_batch;
 use super::partition::CHUNK_NODES;
 use super::prefetch::Ahead;
 use glam::{DMat3, DVec3};
@@ -19,6 +21,12 @@ const PREFETCH_CHUNKS: usize = 512;
 /// Nodes that one task sums.
 const TASK_NODES: usize = 1024;
 
+/// The loops that are compiled: one for each of [`ElementKinematics`].
+const GREEN: u8 = 0;
+const BODY_FRAME: u8 = 1;
+const COROTATED: u8 = 2;
+const NEO_HOOKEAN: u8 = 3;
+
 /// Strain measure of the force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ElementKinematics {
@@ -29,6 +37,10 @@ pub enum ElementKinematics {
         /// The body's orientation `R`: world from body.
         rotation: DMat3,
     },
+    /// Small strain in each element's own rotated frame; see `corotated`.
+    Corotated,
+    /// Stable neo-Hookean law for large, soft deformation; see `neo_hookean`.
+    NeoHookean,
 }
 
 /// What the force loop finds on its way.
@@ -36,8 +48,12 @@ pub enum ElementKinematics {
 pub struct ElasticState {
     /// Strain energy, J; not finite as soon as any node position is not.
     pub strain_energy_j: f64,
-    /// Largest `sqrt(E : E)` over the elements, for [`ElementBatches::green_step_factor`].
+    /// Largest `sqrt(E : E)` over the elements, `E` being the strain of the kinematics (Green-Lagrange for `NeoHookean`,
+    /// with 1 added to its square where an element is inverted).
     pub max_strain: f64,
+    /// Bound of `omega^2 / omega_0^2 - 1` over the elements for [`ElementBatches::step_factor`], of the kinematics that
+    /// find it element by element; 0 for the others.
+    pub stiffening: f64,
 }
 
 /// Memory that [`ElementBatches::forces`] works in; keep it from step to step.
@@ -45,14 +61,21 @@ pub struct ElasticState {
 pub struct ForceScratch {
     /// Force of each chunk on each of its nodes, N.
     slots: Vec<DVec3>,
-    /// Energy (J) and largest squared strain of each chunk.
-    totals: Vec<(f64, f64)>,
+    totals: Vec<ChunkTotals>,
+}
+
+/// Sums and extremes over a chunk's elements.
+#[derive(Clone, Copy, Debug, Default)]
+struct ChunkTotals {
+    energy_j: f64,
+    strain_squared: f64,
+    stiffening: f64,
 }
 
 impl ForceScratch {
     /// Largest `sqrt(E : E)` that the last call met in a chunk; `None` before the first.
     pub(super) fn largest_strain(&self, chunk: usize) -> Option<f64> {
-        self.totals.get(chunk).map(|(_, squared)| squared.sqrt())
+        self.totals.get(chunk).map(|totals| totals.strain_squared.sqrt())
     }
 }
 
@@ -74,7 +97,7 @@ impl ElementBatches {
         assert_eq!(positions_m.len(), self.node_count(), "one position per node");
         assert_eq!(forces_n.len(), self.node_count(), "one force per node");
         scratch.slots.resize(self.chunks.len() * CHUNK_NODES, DVec3::ZERO);
-        scratch.totals.resize(self.chunks.len(), (0.0, 0.0));
+        scratch.totals.resize(self.chunks.len(), ChunkTotals::default());
         let is_large = self.chunks.len() >= PREFETCH_CHUNKS;
         let slots = scratch.slots.chunks_mut(CHUNK_NODES);
         let work = self.chunks.iter().enumerate().zip(slots).zip(scratch.totals.iter_mut());
@@ -83,7 +106,7 @@ impl ElementBatches {
             let ahead = is_large.then(|| Ahead { next: self.chunks.get(index + 1), positions_m });
             (ChunkForces { chunk, positions_m, kinematics, ahead, slots }, totals)
         });
-        let run = |(forces, totals): (ChunkForces, &mut (f64, f64))| *totals = self.arch.dispatch(forces);
+        let run = |(forces, totals): (ChunkForces, &mut ChunkTotals)| *totals = self.arch.dispatch(forces);
         if self.runs_parallel() {
             pieces.collect::<Vec<_>>().into_par_iter().for_each(run);
         } else {
@@ -91,9 +114,10 @@ impl ElementBatches {
         }
         self.sum_slots(&scratch.slots, forces_n);
         let zero = ElasticState::default();
-        let squared = scratch.totals.iter().fold(zero, |sum, &(energy_j, strain)| ElasticState {
-            strain_energy_j: sum.strain_energy_j + energy_j,
-            max_strain: sum.max_strain.max(strain),
+        let squared = scratch.totals.iter().fold(zero, |sum, chunk| ElasticState {
+            strain_energy_j: sum.strain_energy_j + chunk.energy_j,
+            max_strain: sum.max_strain.max(chunk.strain_squared),
+            stiffening: sum.stiffening.max(chunk.stiffening),
         });
         ElasticState { max_strain: squared.max_strain.sqrt(), ..squared }
     }
@@ -162,45 +186,51 @@ struct ChunkForces<'a> {
 }
 
 impl WithSimd for ChunkForces<'_> {
-    type Output = (f64, f64);
+    type Output = ChunkTotals;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> (f64, f64) {
+    fn with_simd<S: Simd>(self, simd: S) -> ChunkTotals {
         let nodes = &self.chunk.layout.nodes;
         let mut positions = [[0.0; CHUNK_NODES]; 3];
         let mut forces = [[0.0; 3]; CHUNK_NODES];
         // Turned positions are seen from the first node, so that turning costs no digits far from
         // the origin.
         let (origin_m, body_from_world) = match self.kinematics {
-            ElementKinematics::Green => (DVec3::ZERO, DMat3::IDENTITY),
             ElementKinematics::BodyFrame { rotation } => {
                 (self.positions_m[nodes[0] as usize], rotation.transpose())
             }
+            _ => (DVec3::ZERO, DMat3::IDENTITY),
         };
         for (local, &node) in (0..CHUNK_NODES).zip(nodes) {
             let x = body_from_world * (self.positions_m[node as usize] - origin_m);
             (positions[0][local], positions[1][local], positions[2][local]) = x.into();
         }
         let totals = match self.kinematics {
-            ElementKinematics::Green => self.run_batches::<S, true>(simd, &positions, &mut forces),
+            ElementKinematics::Green => self.run_batches::<S, GREEN>(simd, &positions, &mut forces),
             ElementKinematics::BodyFrame { .. } => {
-                self.run_batches::<S, false>(simd, &positions, &mut forces)
+                self.run_batches::<S, BODY_FRAME>(simd, &positions, &mut forces)
+            }
+            ElementKinematics::Corotated => self.run_batches::<S, COROTATED>(simd, &positions, &mut forces),
+            ElementKinematics::NeoHookean => {
+                self.run_batches::<S, NEO_HOOKEAN>(simd, &positions, &mut forces)
             }
         };
         let world_from_body = body_from_world.transpose();
         for (slot, force) in self.slots.iter_mut().zip(&forces) {
             *slot = world_from_body * DVec3::from_array(*force);
         }
-        (
-            totals.energy_j.0.iter().fold(0.0, |sum, x| sum + x),
-            totals.strain_squared.0.iter().fold(0.0, |most, &x| f64::max(most, x)),
-        )
+        let most = |row: &Row| row.0.iter().fold(0.0, |most, &x| f64::max(most, x));
+        ChunkTotals {
+            energy_j: totals.energy_j.0.iter().fold(0.0, |sum, x| sum + x),
+            strain_squared: most(&totals.strain_squared),
+            stiffening: most(&totals.stiffening),
+        }
     }
 }
 
 impl ChunkForces<'_> {
     #[inline(always)]
-    fn run_batches<S: Simd, const GREEN: bool>(
+    fn run_batches<S: Simd, const KINEMATICS: u8>(
         &self,
         simd: S,
         positions: &ChunkPositions,
@@ -216,10 +246,11 @@ impl ChunkForces<'_> {
                 batch.fetch(positions, rows);
             }
             for (batch, rows) in block.iter().zip(&mut block_rows) {
-                if GREEN {
-                    green_batch(simd, &batch.shape, rows, &mut totals);
-                } else {
-                    body_frame_batch(simd, &batch.shape, rows, &mut totals);
+                match KINEMATICS {
+                    GREEN => green_batch(simd, &batch.shape, rows, &mut totals),
+                    BODY_FRAME => body_frame_batch(simd, &batch.shape, rows, &mut totals),
+                    COROTATED => corotated_batch(simd, &batch.shape, rows, &mut totals),
+                    _ => neo_hookean_batch(simd, &batch.shape, rows, &mut totals),
                 }
             }
             for (batch, rows) in block.iter().zip(&block_rows) {

@@ -10,7 +10,8 @@
 //! f_0 = -(f_1 + f_2 + f_3)          W = V_0/2 S : E
 //! ```
 //!
-//! `lambda` and `mu` are stored times `V_0`, so neither volume nor stress appears by itself.
+//! `lambda` and `mu` are stored times `V_0`, so neither volume nor stress appears by itself. The laws for large
+//! deformation have files of their own: `corotated`, `neo_hookean`.
 
 use super::lanes::{BATCH, Lanes, Lanes3, Row, dot, subtract};
 use crate::fem::ElasticConstants;
@@ -70,14 +71,17 @@ pub(super) struct LaneTotals {
     pub energy_j: Row,
     /// Largest `E : E`.
     pub strain_squared: Row,
+    /// Largest bound of `omega^2 / omega_0^2 - 1`, of the laws that find it element by element.
+    pub stiffening: Row,
 }
 
 impl LaneTotals {
-    pub(super) const ZERO: Self = Self { energy_j: Row::ZERO, strain_squared: Row::ZERO };
+    pub(super) const ZERO: Self =
+        Self { energy_j: Row::ZERO, strain_squared: Row::ZERO, stiffening: Row::ZERO };
 }
 
 /// Symmetric matrix per lane: xx, yy, zz, xy, xz, yz.
-type Symmetric<S> = [Lanes<S>; 6];
+pub(super) type Symmetric<S> = [Lanes<S>; 6];
 
 /// Replaces the corner positions of a batch by the corner forces, Green-Lagrange strain.
 #[inline(always)]
@@ -139,7 +143,7 @@ pub(super) fn body_frame_batch<S: Simd>(
 }
 
 #[inline(always)]
-fn load_gradients<S: Simd>(simd: S, shape: &BatchShape, group: usize) -> [Lanes3<S>; 3] {
+pub(super) fn load_gradients<S: Simd>(simd: S, shape: &BatchShape, group: usize) -> [Lanes3<S>; 3] {
     let g = &shape.gradients_per_m;
     [
         load3(simd, [&g[0], &g[1], &g[2]], group),
@@ -149,13 +153,13 @@ fn load_gradients<S: Simd>(simd: S, shape: &BatchShape, group: usize) -> [Lanes3
 }
 
 #[inline(always)]
-fn load3<S: Simd>(simd: S, rows: [&Row; 3], group: usize) -> Lanes3<S> {
+pub(super) fn load3<S: Simd>(simd: S, rows: [&Row; 3], group: usize) -> Lanes3<S> {
     [rows[0].load(simd, group), rows[1].load(simd, group), rows[2].load(simd, group)]
 }
 
 /// Rows of `F = sum_a d_a g_a^T`.
 #[inline(always)]
-fn deformation_gradient<S: Simd>(
+pub(super) fn deformation_gradient<S: Simd>(
     simd: S,
     corners: &CornerRows,
     g: [Lanes3<S>; 3],
@@ -176,18 +180,18 @@ fn dots<S: Simd>(a: Lanes3<S>, b: [Lanes3<S>; 3]) -> Lanes3<S> {
 }
 
 #[inline(always)]
-fn transpose<S: Simd>(m: [Lanes3<S>; 3]) -> [Lanes3<S>; 3] {
+pub(super) fn transpose<S: Simd>(m: [Lanes3<S>; 3]) -> [Lanes3<S>; 3] {
     [[m[0][0], m[1][0], m[2][0]], [m[0][1], m[1][1], m[2][1]], [m[0][2], m[1][2], m[2][2]]]
 }
 
 #[inline(always)]
-fn scale<S: Simd>(m: Symmetric<S>, by: Lanes<S>) -> Symmetric<S> {
+pub(super) fn scale<S: Simd>(m: Symmetric<S>, by: Lanes<S>) -> Symmetric<S> {
     [m[0] * by, m[1] * by, m[2] * by, m[3] * by, m[4] * by, m[5] * by]
 }
 
 /// `V_0 (lambda tr(e) I + 2 mu e)`.
 #[inline(always)]
-fn hooke<S: Simd>(simd: S, shape: &BatchShape, e: Symmetric<S>, group: usize) -> Symmetric<S> {
+pub(super) fn hooke<S: Simd>(simd: S, shape: &BatchShape, e: Symmetric<S>, group: usize) -> Symmetric<S> {
     let mu = shape.mu_volume_j.load(simd, group);
     let stress = scale(e, mu + mu);
     let pressure = shape.lambda_volume_j.load(simd, group) * (e[0] + e[1] + e[2]);
@@ -196,13 +200,18 @@ fn hooke<S: Simd>(simd: S, shape: &BatchShape, e: Symmetric<S>, group: usize) ->
 
 /// `a : b`.
 #[inline(always)]
-fn contract<S: Simd>(a: Symmetric<S>, b: Symmetric<S>) -> Lanes<S> {
+pub(super) fn contract<S: Simd>(a: Symmetric<S>, b: Symmetric<S>) -> Lanes<S> {
     let off_diagonal = dot([a[3], a[4], a[5]], [b[3], b[4], b[5]]);
     dot([a[0], a[1], a[2]], [b[0], b[1], b[2]]) + (off_diagonal + off_diagonal)
 }
 
 #[inline(always)]
-fn add_totals<S: Simd>(group: usize, totals: &mut LaneTotals, strain: Symmetric<S>, stress: Symmetric<S>) {
+pub(super) fn add_totals<S: Simd>(
+    group: usize,
+    totals: &mut LaneTotals,
+    strain: Symmetric<S>,
+    stress: Symmetric<S>,
+) {
     let simd = strain[0].simd();
     let half = Lanes::splat(simd, 0.5);
     let energy = totals.energy_j.load(simd, group) + contract(stress, strain) * half;
@@ -212,13 +221,13 @@ fn add_totals<S: Simd>(group: usize, totals: &mut LaneTotals, strain: Symmetric<
 }
 
 #[inline(always)]
-fn symmetric_times<S: Simd>(m: Symmetric<S>, v: Lanes3<S>) -> Lanes3<S> {
+pub(super) fn symmetric_times<S: Simd>(m: Symmetric<S>, v: Lanes3<S>) -> Lanes3<S> {
     [dot([m[0], m[3], m[4]], v), dot([m[3], m[1], m[5]], v), dot([m[4], m[5], m[2]], v)]
 }
 
 /// `f_a = -stress g_a` for a = 1, 2, 3, and `f_0` balances them.
 #[inline(always)]
-fn store_forces<S: Simd>(
+pub(super) fn store_forces<S: Simd>(
     corners: &mut CornerRows,
     stress: [Lanes3<S>; 3],
     gradients: [Lanes3<S>; 3],

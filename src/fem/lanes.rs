@@ -1,12 +1,12 @@
 //! Numbers of several elements side by side, one machine register wide.
 //!
 //! `Lanes<S>` is `S::F64_LANES` numbers (8 with AVX-512, 4 with AVX2, 1 without either), with plain
-//! `+`, `-`, `*`. Products and sums are rounded one by one, never fused, so every instruction set
+//! `+`, `-`, `*`, `/` and square roots. Each is rounded by itself, never fused, so every instruction set
 //! gives the same bytes. Everything here and in the kernel must be `inline(always)`: an operation
 //! that stays a call is compiled for the oldest processor and costs ten times as much.
 
 use pulp::Simd;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Elements in one batch: the widest register of 64-bit numbers.
 pub(super) const BATCH: usize = 8;
@@ -56,6 +56,29 @@ impl<S: Simd> Lanes<S> {
     pub(super) fn max(self, other: Self) -> Self {
         Self { simd: self.simd, value: self.simd.max_f64s(self.value, other.value) }
     }
+
+    #[inline(always)]
+    pub(super) fn min(self, other: Self) -> Self {
+        Self { simd: self.simd, value: self.simd.min_f64s(self.value, other.value) }
+    }
+
+    #[inline(always)]
+    pub(super) fn abs(self) -> Self {
+        Self { simd: self.simd, value: self.simd.abs_f64s(self.value) }
+    }
+
+    #[inline(always)]
+    pub(super) fn sqrt(self) -> Self {
+        Self { simd: self.simd, value: self.simd.sqrt_f64s(self.value) }
+    }
+
+    /// `yes` where the number is above zero, `no` elsewhere and where it is none.
+    #[inline(always)]
+    pub(super) fn if_positive(self, yes: Self, no: Self) -> Self {
+        let simd = self.simd;
+        let mask = simd.greater_than_f64s(self.value, simd.splat_f64s(0.0));
+        Self { simd, value: simd.select_f64s(mask, yes.value, no.value) }
+    }
 }
 
 impl<S: Simd> Add for Lanes<S> {
@@ -82,6 +105,14 @@ impl<S: Simd> Mul for Lanes<S> {
     }
 }
 
+impl<S: Simd> Div for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self { simd: self.simd, value: self.simd.div_f64s(self.value, other.value) }
+    }
+}
+
 impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
@@ -100,4 +131,10 @@ pub(super) fn dot<S: Simd>(a: Lanes3<S>, b: Lanes3<S>) -> Lanes<S> {
 #[inline(always)]
 pub(super) fn subtract<S: Simd>(a: Lanes3<S>, b: Lanes3<S>) -> Lanes3<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a x b` per lane.
+#[inline(always)]
+pub(super) fn cross<S: Simd>(a: Lanes3<S>, b: Lanes3<S>) -> Lanes3<S> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

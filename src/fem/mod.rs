@@ -2,10 +2,11 @@
 //!
 //! [`ElementBatches`] holds what never changes of a body's tetrahedra, ordered for speed;
 //! [`ElementBatches::forces`] is the inner loop of the whole program. The files, from the bottom up:
-//! `lanes` (numbers of several elements at once), `kernel` (the equations), `partition` (which elements
+//! `lanes` (numbers of several elements at once), `kernel`, `corotated` and `neo_hookean` (the equations), `partition` (which elements
 //! go together), `slots` (where their forces are added up), `elements` (their data), `follow` (after cuts), `prefetch`, `forces`
 //! (the loop), beside it `stress`, `stable_step`, `step_bound` (the same after cuts), `mass`.
 
+mod corotated;
 mod elements;
 mod follow;
 mod forces;
@@ -13,6 +14,7 @@ mod kernel;
 mod lanes;
 mod mass;
 mod material;
+mod neo_hookean;
 mod partition;
 mod prefetch;
 mod slots;

@@ -11,7 +11,9 @@
 //! The usual `min altitude / c_p` is larger than the element's `2 / omega_max` in every case
 //! (`G` with equal masses gives `omega^2 >= 4 c_p^2 / altitude^2`); it needs the factor `cfl` to be safe, this does not.
 
-use super::{ElasticConstants, ElementBatches, ScaledNodeMasses, scale_masses};
+use super::{
+    ElasticConstants, ElasticState, ElementBatches, ElementKinematics, ScaledNodeMasses, scale_masses,
+};
 use crate::math::symmetric_eigenvalues;
 use glam::{DMat3, DVec3};
 
@@ -142,16 +144,44 @@ impl ElementBatches {
         Sharing { largest: eigenvalues.iter().copied().fold(0.0, f64::max), weights, eigenvalues }
     }
 
+    /// By how much the stable step shrinks, at most, when a body is deformed: a factor in (0, 1] for
+    /// [`Self::stable_step_s`], with what the last [`Self::forces`] found.
+    #[must_use]
+    pub fn step_factor(&self, kinematics: ElementKinematics, state: &ElasticState) -> f64 {
+        match kinematics {
+            ElementKinematics::Green => self.green_step_factor(state.max_strain),
+            // Its stiffness is constant.
+            ElementKinematics::BodyFrame { .. } => 1.0,
+            ElementKinematics::Corotated | ElementKinematics::NeoHookean => {
+                (1.0 + state.stiffening).sqrt().recip()
+            }
+        }
+    }
+
+    /// The largest norm of the Cauchy stress of these constants (Pa) where [`ElasticState::max_strain`] is `strain`, below
+    /// 1/2. Of `green`, with stretches between `sqrt(1 - 2 e)` and `sqrt(1 + 2 e)`,
+    /// `|sigma| <= (3 |lambda| + 2 mu) e (1 + 2e)/(1 - 2e)^(3/2)`.
+    #[must_use]
+    pub fn most_stress_pa(constants: &ElasticConstants, kinematics: ElementKinematics, strain: f64) -> f64 {
+        let stiffness_pa = 3.0 * constants.lambda_pa.abs() + 2.0 * constants.mu_pa;
+        match kinematics {
+            ElementKinematics::Green => {
+                stiffness_pa * strain * (1.0 + 2.0 * strain) / (1.0 - 2.0 * strain).powf(1.5)
+            }
+            ElementKinematics::BodyFrame { .. } => stiffness_pa * strain,
+            ElementKinematics::Corotated => super::corotated::most_stress_pa(constants, strain),
+            ElementKinematics::NeoHookean => super::neo_hookean::most_stress_pa(constants, strain),
+        }
+    }
+
     /// By how much the stable step shrinks, at most, when a `green` body is deformed: a factor in (0, 1] for
-    /// [`Self::stable_step_s`], from [`super::ElasticState::max_strain`].
+    /// [`Self::stable_step_s`], from [`ElasticState::max_strain`].
     ///
     /// With `F` of largest stretch `s` and largest principal stress `p`, the tangent stiffness obeys
     /// `omega^2 <= omega_0^2 s^2 + (4/rho) p^+ c_1` (material and geometric part). With
     /// `e = sqrt(E : E)`: `s^2 <= 1 + 2e`, `p <= (sqrt(3) |lambda| + 2 mu) e`, and `omega_0^2 >= (4/rho) (lambda + 2 mu) c_1`, so
-    /// `omega^2 / omega_0^2 <= 1 + (2 + (sqrt(3) |lambda| + 2 mu)/(lambda + 2 mu)) e`. The stiffness in
-    /// `body-frame` kinematics is constant: no factor.
-    #[must_use]
-    pub fn green_step_factor(&self, max_strain: f64) -> f64 {
+    /// `omega^2 / omega_0^2 <= 1 + (2 + (sqrt(3) |lambda| + 2 mu)/(lambda + 2 mu)) e`.
+    fn green_step_factor(&self, max_strain: f64) -> f64 {
         (1.0 + self.stiffening * max_strain).sqrt().recip()
     }
 }

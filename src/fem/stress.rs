@@ -3,7 +3,7 @@
 
 use super::elements::{Chunk, gradients_per_m};
 use super::lanes::BATCH;
-use super::{ElementBatches, ElementKinematics, ForceScratch};
+use super::{ElementBatches, ElementKinematics, ForceScratch, corotated, neo_hookean};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -16,35 +16,41 @@ pub enum NotFinitePlace {
     Element(usize),
 }
 
-/// Strain and stress of one element in the axes its strain measure lives in.
-struct ElementStrain {
-    /// Deformation gradient, for `body-frame` seen from the body.
+/// Stress of one element: `P = frame stress`.
+struct ElementStress {
+    /// Deformation gradient.
     gradient: DMat3,
-    /// Green-Lagrange or small strain.
-    strain: DMat3,
-    /// Second Piola-Kirchhoff or small-strain stress, Pa.
+    /// `F` for `green`, the rotation of the body or of the element, none for `neo-hookean`.
+    frame: DMat3,
+    /// Second Piola-Kirchhoff stress, stress seen from the frame, or `P` itself, Pa.
     stress_pa: DMat3,
+    /// Energy per volume of the reference shape, Pa.
+    energy_pa: f64,
 }
 
-impl ElementStrain {
+impl ElementStress {
     fn cauchy_pa(&self, kinematics: ElementKinematics) -> DMat3 {
+        let turned = self.frame * self.stress_pa;
         match kinematics {
-            ElementKinematics::Green => {
-                let pushed = self.gradient * self.stress_pa * self.gradient.transpose();
-                pushed * self.gradient.determinant().recip()
-            }
-            ElementKinematics::BodyFrame { rotation } => rotation * self.stress_pa * rotation.transpose(),
+            ElementKinematics::BodyFrame { rotation } => turned * rotation.transpose(),
+            _ => turned * self.gradient.transpose() * self.gradient.determinant().recip(),
         }
     }
 }
 
+/// `W = stress : strain / 2`.
+fn linear_energy_pa(stress_pa: &DMat3, strain: &DMat3) -> f64 {
+    let work = |axis: usize| stress_pa.col(axis).dot(strain.col(axis));
+    0.5 * (work(0) + work(1) + work(2))
+}
+
 impl ElementBatches {
     /// Cauchy stress of each element, Pa, tension positive, world axes, in the caller's order:
-    /// `F S F^T / J` for `green` (not finite if the element is exactly flat), `R s R^T` for `body-frame`.
+    /// `P F^T / J` (not finite if the element is exactly flat), but `R s R^T` for `body-frame`.
     #[must_use]
     pub fn cauchy_stresses_pa(&self, positions_m: &[DVec3], kinematics: ElementKinematics) -> Vec<DMat3> {
         self.map_elements(|element, gradients_per_m| {
-            let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
+            let at = self.stress_of(element, &gradients_per_m, positions_m, kinematics);
             at.cauchy_pa(kinematics)
         })
     }
@@ -63,7 +69,7 @@ impl ElementBatches {
         let is_strained = |index: usize| scratch.largest_strain(index).is_none_or(|most| most >= strain);
         let of_chunk = |(_, chunk): (usize, &Chunk)| -> Vec<(u32, DMat3)> {
             let stress = |(element, gradients): (usize, [DVec3; 4])| {
-                let at = self.strain_of(element, &gradients, positions_m, kinematics);
+                let at = self.stress_of(element, &gradients, positions_m, kinematics);
                 (element as u32, at.cauchy_pa(kinematics))
             };
             chunk.elements().map(stress).collect()
@@ -78,10 +84,9 @@ impl ElementBatches {
     #[must_use]
     pub fn element_energies_j(&self, positions_m: &[DVec3], kinematics: ElementKinematics) -> Vec<f64> {
         self.map_elements(|element, gradients_per_m| {
-            let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
+            let at = self.stress_of(element, &gradients_per_m, positions_m, kinematics);
             let volume_m3 = self.masses_kg[element] / self.constants[element].density_kg_m3;
-            let work = |axis: usize| at.stress_pa.col(axis).dot(at.strain.col(axis));
-            0.5 * volume_m3 * (work(0) + work(1) + work(2))
+            volume_m3 * at.energy_pa
         })
     }
 
@@ -92,8 +97,8 @@ impl ElementBatches {
         energies_j.iter().fold(0.0, |sum, energy| sum + energy)
     }
 
-    /// Elastic force of one element on its corners, N: `-V_0 F S grad_X N_a` for `green`, `-V_0 R s grad_X N_a` for
-    /// `body-frame`; with its reference corners, m. What [`Self::forces`] adds up, element by element.
+    /// Elastic force of one element on its corners, `-V_0 P grad_X N_a`, N; with its reference corners, m. What
+    /// [`Self::forces`] adds up, element by element.
     #[must_use]
     pub fn element_forces_n(
         &self,
@@ -104,13 +109,9 @@ impl ElementBatches {
     ) -> [DVec3; 4] {
         let element = element as usize;
         let gradients_per_m = gradients_per_m(reference_m);
-        let at = self.strain_of(element, &gradients_per_m, positions_m, kinematics);
+        let at = self.stress_of(element, &gradients_per_m, positions_m, kinematics);
         let volume_m3 = self.masses_kg[element] / self.constants[element].density_kg_m3;
-        let frame = match kinematics {
-            ElementKinematics::Green => at.gradient,
-            ElementKinematics::BodyFrame { rotation } => rotation,
-        };
-        gradients_per_m.map(|g| frame * (at.stress_pa * g) * -volume_m3)
+        gradients_per_m.map(|g| at.frame * (at.stress_pa * g) * -volume_m3)
     }
 
     /// The first node, else the first element, that is not finite. To be asked only once
@@ -129,27 +130,35 @@ impl ElementBatches {
         element.map(NotFinitePlace::Element)
     }
 
-    fn strain_of(
+    fn stress_of(
         &self,
         element: usize,
         gradients_per_m: &[DVec3; 4],
         positions_m: &[DVec3],
         kinematics: ElementKinematics,
-    ) -> ElementStrain {
+    ) -> ElementStress {
         let corners_m = self.tets[element].map(|node| positions_m[node as usize]);
         let mut gradient = DMat3::ZERO;
         for (corner_m, g) in corners_m.iter().zip(gradients_per_m).skip(1) {
             let edge_m = *corner_m - corners_m[0];
             gradient += DMat3::from_cols(edge_m * g.x, edge_m * g.y, edge_m * g.z);
         }
-        let strain = match kinematics {
-            ElementKinematics::Green => (gradient.transpose() * gradient - DMat3::IDENTITY) * 0.5,
-            ElementKinematics::BodyFrame { rotation } => {
-                gradient = rotation.transpose() * gradient;
-                (gradient + gradient.transpose()) * 0.5 - DMat3::IDENTITY
+        let constants = &self.constants[element];
+        let (frame, strain) = match kinematics {
+            ElementKinematics::Green => (gradient, (gradient.transpose() * gradient - DMat3::IDENTITY) * 0.5),
+            ElementKinematics::BodyFrame { rotation } => (rotation, corotated::strain(&gradient, &rotation)),
+            ElementKinematics::Corotated => {
+                let rotation = corotated::rotation_of(&gradient);
+                (rotation, corotated::strain(&gradient, &rotation))
+            }
+            ElementKinematics::NeoHookean => {
+                let stress_pa = neo_hookean::first_piola_pa(&gradient, constants);
+                let energy_pa = neo_hookean::energy_pa(&gradient, constants);
+                return ElementStress { gradient, frame: DMat3::IDENTITY, stress_pa, energy_pa };
             }
         };
-        ElementStrain { gradient, strain, stress_pa: self.constants[element].stress_pa(&strain) }
+        let stress_pa = constants.stress_pa(&strain);
+        ElementStress { gradient, frame, stress_pa, energy_pa: linear_energy_pa(&stress_pa, &strain) }
     }
 
     /// A value for each element from its index and its gradients (1/m), in the caller's order.

@@ -93,7 +93,8 @@ pub(super) struct Elasticity {
     /// What damping by stiffness adds to the accelerations of the nodes, m/s2; empty without it.
     pub damping_m_s2: Vec<DVec3>,
     pub strain_energy_j: f64,
-    pub max_strain: f64,
+    /// Factor on the critical step that the present deformation needs.
+    pub needed_step_factor: f64,
     /// Factor on the critical step for large strain, held over many steps (see `Body::hold_step_factor`).
     pub step_factor: f64,
     /// Steps since a smaller factor was last needed.
@@ -380,12 +381,9 @@ impl Body {
 
     /// Kinematics for the element kernel.
     pub fn element_kinematics(&self) -> ElementKinematics {
-        match self.elasticity.as_ref().map(|e| e.kinematics) {
-            Some(Kinematics::BodyFrame) => {
-                ElementKinematics::BodyFrame { rotation: DMat3::from_quat(self.orientation) }
-            }
-            _ => ElementKinematics::Green,
-        }
+        self.elasticity
+            .as_ref()
+            .map_or(ElementKinematics::Green, |e| e.kinematics.of_elements(self.orientation))
     }
 }
 
@@ -475,7 +473,7 @@ fn build_elasticity(setup: &BodySetup) -> Result<(Option<Elasticity>, Vec<f64>),
         elements,
         scratch: ForceScratch::default(),
         strain_energy_j: 0.0,
-        max_strain: 0.0,
+        needed_step_factor: 1.0,
         step_factor: 1.0,
         steps_held: 0,
         mass_scaling,

@@ -10,14 +10,14 @@ use super::body::Body;
 use super::elastic::StepContext;
 use super::release::Releases;
 use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, NEVER_FAILED_S, SimError};
-use crate::fem::{ElasticConstants, StepBound};
+use crate::fem::{ElasticConstants, ElementBatches, StepBound};
 use crate::fracture::{
     Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, Growth, LimitsReached, NodeState,
     PrincipalStress, Propagation, Solid, StressMeasures,
 };
 use crate::math::symmetric_eigenvalues_estimate;
 use crate::mesh::Renumbering;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 /// Crack speed over the slowest shear wave's, when the scene does not say.
 const CRACK_SPEED_SHARE: f64 = 0.5;
@@ -71,8 +71,8 @@ impl Breaking {
         let fail = |text: String| SimError::Setup(format!("body `{}`: {text}", setup.name));
         if kinematics == Kinematics::BodyFrame {
             return Err(fail(
-                "a body that can break needs kinematics \"green\": \"body-frame\" has one frame for the whole body, \
-                 and fragments turn each by itself"
+                "a body that can break cannot have kinematics \"body-frame\", which has one frame for the whole body while \
+                 fragments turn each by itself; \"green\", \"corotated\" and \"neo-hookean\" can"
                     .to_owned(),
             ));
         }
@@ -93,7 +93,7 @@ impl Breaking {
         });
         let criteria: Vec<_> = setup.materials.iter().map(|m| m.fracture.clone()).collect();
         let safe_strains = criteria.iter().zip(&constants).filter_map(|(criterion, constants)| {
-            Some(safe_strain(criterion.as_ref()?.safe_norm_pa(), constants))
+            Some(safe_strain(criterion.as_ref()?.safe_norm_pa(), constants, kinematics))
         });
         let safe_strain = safe_strains.fold(f64::INFINITY, f64::min);
         Ok(Some(Self {
@@ -233,12 +233,9 @@ fn propagation(solid: &Solid, parameters: &FractureParameters) -> Propagation {
 }
 
 /// Largest strain `e = sqrt(E : E)` at which the Cauchy stress cannot have the given norm.
-///
-/// `|S| <= (3 |lambda| + 2 mu) e`, and with the stretches bounded by `1 ± 2e`,
-/// `|sigma| <= |S| (1 + 2e) / (1 - 2e)^(3/2)`.
-fn safe_strain(norm_pa: f64, constants: &ElasticConstants) -> f64 {
-    let stiffness_pa = 3.0 * constants.lambda_pa.abs() + 2.0 * constants.mu_pa;
-    let bound_pa = |e: f64| stiffness_pa * e * (1.0 + 2.0 * e) / (1.0 - 2.0 * e).powf(1.5);
+fn safe_strain(norm_pa: f64, constants: &ElasticConstants, kinematics: Kinematics) -> f64 {
+    let of_elements = kinematics.of_elements(DQuat::IDENTITY);
+    let bound_pa = |e: f64| ElementBatches::most_stress_pa(constants, of_elements, e);
     let (mut safe, mut unsafe_) = (0.0, 0.5);
     for _ in 0..60 {
         let middle = 0.5 * (safe + unsafe_);

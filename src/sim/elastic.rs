@@ -49,10 +49,7 @@ impl Body {
     /// seen to blow up at half the stability limit when it followed every change of the largest strain.
     fn hold_step_factor(&mut self) {
         let Some(elasticity) = &mut self.elasticity else { return };
-        if elasticity.kinematics != Kinematics::Green {
-            return;
-        }
-        let needed = elasticity.elements.green_step_factor(elasticity.max_strain);
+        let needed = elasticity.needed_step_factor;
         let stage = needed.log(STEP_STAGE).ceil();
         let wanted = STEP_STAGE.powf(stage);
         if wanted < elasticity.step_factor {
@@ -217,7 +214,7 @@ impl Body {
             &mut self.force_n,
         );
         elasticity.strain_energy_j = state.strain_energy_j;
-        elasticity.max_strain = state.max_strain;
+        elasticity.needed_step_factor = elasticity.elements.step_factor(kinematics, &state);
         if !state.strain_energy_j.is_finite() {
             return Err(self.not_finite(c));
         }

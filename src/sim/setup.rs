@@ -1,10 +1,11 @@
 //! What a world is built from: plain data, checked by [`crate::sim::World::new`].
 
+use crate::fem::ElementKinematics;
 use crate::fracture::{Criterion, PropagationRule, SMALLEST_FRAGMENT_ELEMENTS};
 use crate::mesh::TetMesh;
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 
-/// A linear elastic isotropic material.
+/// An isotropic elastic material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name from the scene.
@@ -51,6 +52,30 @@ pub enum Kinematics {
     Green,
     /// Linear stiffness of the reference shape in the body's own rotating frame.
     BodyFrame,
+    /// Small strain in each element's own rotated frame.
+    Corotated,
+    /// Stable neo-Hookean law, for large and soft deformation.
+    NeoHookean,
+}
+
+impl Kinematics {
+    /// All of them with the names that scenes give them.
+    pub const NAMED: [(&str, Self); 4] = [
+        ("green", Self::Green),
+        ("body-frame", Self::BodyFrame),
+        ("corotated", Self::Corotated),
+        ("neo-hookean", Self::NeoHookean),
+    ];
+
+    /// For the elements of a body that is turned by `orientation`.
+    pub(super) fn of_elements(self, orientation: DQuat) -> ElementKinematics {
+        match self {
+            Self::Green => ElementKinematics::Green,
+            Self::BodyFrame => ElementKinematics::BodyFrame { rotation: DMat3::from_quat(orientation) },
+            Self::Corotated => ElementKinematics::Corotated,
+            Self::NeoHookean => ElementKinematics::NeoHookean,
+        }
+    }
 }
 
 /// How a body moves.

@@ -1,6 +1,7 @@
 //! Tests of the whole module, and what they share.
 
 mod forces;
+mod large_strain;
 mod stable_step;
 
 use super::test_support::Random;
@@ -21,16 +22,21 @@ fn batches(mesh: &TetMesh, constants: &[ElasticConstants]) -> ElementBatches {
     ElementBatches::new(&mesh.nodes_m, &mesh.tets, constants).unwrap()
 }
 
-fn both_kinematics() -> [ElementKinematics; 2] {
+fn all_kinematics() -> [ElementKinematics; 4] {
     let turn = rotation_from_vector(DVec3::new(0.5, -1.2, 0.8));
     let rotation = DMat3::from_quat(turn);
-    [ElementKinematics::Green, ElementKinematics::BodyFrame { rotation }]
+    [
+        ElementKinematics::Green,
+        ElementKinematics::BodyFrame { rotation },
+        ElementKinematics::Corotated,
+        ElementKinematics::NeoHookean,
+    ]
 }
 
 fn rotation_of(kinematics: ElementKinematics) -> DMat3 {
     match kinematics {
-        ElementKinematics::Green => DMat3::IDENTITY,
         ElementKinematics::BodyFrame { rotation } => rotation,
+        _ => DMat3::IDENTITY,
     }
 }
 

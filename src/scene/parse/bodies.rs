@@ -36,8 +36,7 @@ pub(super) fn read_body(mut table: Table) -> Body {
 
 fn read_motion(table: &mut Table) -> BodyMotion {
     const OPTIONS: [(&str, u8); 3] = [("deformable", 0), ("fixed", 1), ("kinematic", 2)];
-    let kinematics =
-        table.choice("kinematics", &[("green", Kinematics::Green), ("body-frame", Kinematics::BodyFrame)]);
+    let kinematics = table.choice("kinematics", &Kinematics::NAMED);
     let motion = table.choice("motion", &OPTIONS).unwrap_or(0);
     let prescribed = table.table("prescribed").map(read_prescribed);
     match motion {

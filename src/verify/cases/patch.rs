@@ -4,7 +4,7 @@
 use super::super::specimen::box_mesh;
 use super::super::{CaseError, Effort, Outcome, Quantity};
 use crate::fem::{ElasticConstants, ElementBatches, ElementKinematics, ForceScratch};
-use crate::math::rotation_from_vector;
+use crate::math::{rotation_from_vector, symmetric_eigen};
 use crate::mesh::TetMesh;
 use glam::{DMat3, DVec3};
 
@@ -33,10 +33,17 @@ pub(in crate::verify) fn measure(_: &Effort) -> Result<Outcome, CaseError> {
     let green =
         f * hooke((f.transpose() * f - DMat3::IDENTITY) * 0.5) * f.transpose() * f.determinant().recip();
     let linear = rotation * hooke((f + f.transpose()) * 0.5 - DMat3::IDENTITY) * rotation.transpose();
+    let cauchy = |first_piola: DMat3| {
+        rotation * first_piola * f.transpose() * rotation.transpose() * f.determinant().recip()
+    };
+    let corotated = cauchy(corotated_piola_pa(&f, hooke));
+    let neo_hookean = cauchy(neo_hookean_piola_pa(&f, lambda_pa, mu_pa));
     let mut quantities = Vec::new();
     for (name, kinematics, expected, turn) in [
         ("green", ElementKinematics::Green, rotation * green * rotation.transpose(), rotation),
         ("body-frame", ElementKinematics::BodyFrame { rotation }, linear, rotation),
+        ("corotated", ElementKinematics::Corotated, corotated, rotation),
+        ("neo-hookean", ElementKinematics::NeoHookean, neo_hookean, rotation),
     ] {
         let moved: Vec<DVec3> = mesh.nodes_m.iter().map(|x| turn * (f * *x)).collect();
         let stresses = elements.cauchy_stresses_pa(&moved, kinematics);
@@ -48,7 +55,15 @@ pub(in crate::verify) fn measure(_: &Effort) -> Result<Outcome, CaseError> {
                 worst / largest_entry(expected),
                 0.0,
             )
-            .by("sigma = F S F^T / J with S = lambda tr(E) I + 2 mu E (METHOD 1)")
+            .by(match kinematics {
+                ElementKinematics::Corotated => {
+                    "sigma = R T F^T / J, T = lambda tr(S - I) I + 2 mu (S - I), F = R S"
+                }
+                ElementKinematics::NeoHookean => {
+                    "sigma = P F^T / J (Smith, de Goes, Kim 2018, equations 14 and 15)"
+                }
+                _ => "sigma = F S F^T / J with S = lambda tr(E) I + 2 mu E (METHOD 1)",
+            })
             .within(ROUND_OFF, "round-off: the elements hold a uniform strain exactly"),
         );
         let mut forces_n = vec![DVec3::ZERO; moved.len()];
@@ -58,8 +73,8 @@ pub(in crate::verify) fn measure(_: &Effort) -> Result<Outcome, CaseError> {
         let stretch = turn * f;
         let linear_piola = expected * turn;
         let first_piola = match kinematics {
-            ElementKinematics::Green => expected * stretch.inverse().transpose() * f.determinant(),
             ElementKinematics::BodyFrame { .. } => linear_piola,
+            _ => expected * stretch.inverse().transpose() * f.determinant(),
         };
         let error_pa = largest_entry(virial_j * -1.0 - first_piola) / largest_entry(first_piola);
         quantities.push(
@@ -80,6 +95,24 @@ pub(in crate::verify) fn measure(_: &Effort) -> Result<Outcome, CaseError> {
         );
     }
     Ok(quantities.into())
+}
+
+/// `P = R T` with the stretch as the root of `F^T F`, Pa.
+fn corotated_piola_pa(f: &DMat3, hooke: impl Fn(DMat3) -> DMat3) -> DMat3 {
+    let squared = symmetric_eigen(&(f.transpose() * *f));
+    let axes = squared.directions;
+    let stretch = axes * DMat3::from_diagonal(squared.values.map(f64::sqrt)) * axes.transpose();
+    *f * stretch.inverse() * hooke(stretch - DMat3::IDENTITY)
+}
+
+/// `P = mu' (1 - 1/(I_C + 1)) F + lambda' (J - alpha) J F^-T`, `alpha = 1 + 3 mu'/(4 lambda')`, with `mu' = 4/3 mu` and
+/// `lambda' = lambda + 5/6 mu`, Pa (Smith, de Goes, Kim 2018).
+pub(in crate::verify) fn neo_hookean_piola_pa(f: &DMat3, lambda_pa: f64, mu_pa: f64) -> DMat3 {
+    let (mu, lambda) = (4.0 / 3.0 * mu_pa, lambda_pa + 5.0 / 6.0 * mu_pa);
+    let squares: f64 = f.to_cols_array().iter().map(|x| x * x).sum();
+    let jacobian = f.determinant();
+    let pressure = lambda * (jacobian - 1.0 - 0.75 * mu / lambda);
+    *f * (mu * (1.0 - 1.0 / (squares + 1.0))) + f.inverse().transpose() * (jacobian * pressure)
 }
 
 /// Lame's constants, Pa: `lambda = E nu/((1 + nu)(1 - 2 nu))`, `mu = E/(2(1 + nu))`.
