@@ -45,6 +45,9 @@ pub(super) fn settle(
     loop {
         let pass = Pass::over(rows, nodes);
         report.last_change = pass.relative_change();
+        if let Some(change) = report.changes.get_mut(report.passes as usize) {
+            *change = report.last_change;
+        }
         report.passes += 1;
         let is_settled = report.last_change < p.tolerance;
         let is_time = is_settled || report.passes >= p.passes * patience;

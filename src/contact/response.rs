@@ -49,6 +49,9 @@ pub struct ResponseParameters {
     pub rest_speed_m_s: f64,
 }
 
+/// Passes whose changes are reported one by one.
+pub const CHANGES_KEPT: usize = 12;
+
 /// What the response did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ResponseReport {
@@ -58,6 +61,8 @@ pub struct ResponseReport {
     /// Largest change of a multiplier in the last pass over the largest multiplier of its group; without the passes of a blow,
     /// which is cut to its energy.
     pub last_change: f64,
+    /// The same after each of the first passes; 0 after the last.
+    pub changes: [f64; CHANGES_KEPT],
     /// Energy taken from the nodes by friction and impact, J.
     pub dissipated_j: f64,
     /// Work done by nodes whose motion is prescribed, J.
