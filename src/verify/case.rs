@@ -1,7 +1,8 @@
 //! The list of cases.
 
 use super::cases::{
-    beams, criteria, fracture, impact, incline, patch, penalty, pile, rods, scenes, spin, squeeze, waves,
+    beams, criteria, fracture, impact, incline, kinematics, patch, penalty, pile, rods, scenes, spin, squeeze,
+    waves,
 };
 use super::{CaseError, Effort, Plot, Quantity};
 
@@ -78,6 +79,7 @@ pub const CASES: &[Case] = &[
     slow(case("hertz", "a ball bounces off a rigid plane", impact::measure_hertz)),
     slow(case("rolling", "a sliding ball comes to roll", impact::measure_rolling)),
     case("spin", "a box turns freely", spin::measure),
+    case("kinematics", "the four elastic laws beside each other", kinematics::measure),
     case("incline", "a block on a slope", incline::measure),
     case("scenes", "energy balance of shipped scenes", scenes::measure),
     case("criteria", "failure criteria at known states", criteria::measure),

@@ -5,6 +5,7 @@ pub mod criteria;
 pub mod fracture;
 pub mod impact;
 pub mod incline;
+pub mod kinematics;
 pub mod patch;
 pub mod penalty;
 pub mod pile;

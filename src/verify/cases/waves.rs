@@ -8,7 +8,7 @@ use super::super::specimen::{
 use super::super::{CaseError, Effort, Outcome, Plot, Quantity, Scale};
 use super::patch::lame_pa;
 use crate::mesh::TetMesh;
-use crate::sim::World;
+use crate::sim::{BodyMotion, Kinematics, World};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -18,13 +18,13 @@ const POISSON: f64 = 0.3;
 const LENGTH_M: f64 = 1.0;
 
 /// A kind of plane wave along x: which motions are held, and where the material points move to.
-struct Wave {
-    name: &'static str,
-    source: &'static str,
-    held_axes: [bool; 3],
-    along: DVec3,
-    poisson_ratio: f64,
-    speed_m_s: f64,
+pub(super) struct Wave {
+    pub name: &'static str,
+    pub source: &'static str,
+    pub held_axes: [bool; 3],
+    pub along: DVec3,
+    pub poisson_ratio: f64,
+    pub speed_m_s: f64,
 }
 
 fn kinds() -> [Wave; 3] {
@@ -66,7 +66,7 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
     for wave in kinds() {
         let mut speeds_m_s = [0.0; 3];
         for (speed_m_s, cells) in speeds_m_s.iter_mut().zip(cells) {
-            *speed_m_s = speed_of(effort, &wave, cells)?;
+            *speed_m_s = speed_of(effort, &wave, (cells, Kinematics::Green))?;
         }
         quantities.push(
             Quantity::relative(
@@ -95,7 +95,11 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
 
 /// Speed of a wave by the fundamental frequency of a bar that is held at one end and suddenly loaded at the
 /// other, `c = 4 L f`, m/s. The motion is projected on the mode `sin(pi x/2L)`.
-fn speed_of(effort: &Effort, wave: &Wave, cells: u32) -> Result<f64, CaseError> {
+pub(super) fn speed_of(
+    effort: &Effort,
+    wave: &Wave,
+    (cells, kinematics): (u32, Kinematics),
+) -> Result<f64, CaseError> {
     const STRAIN: f64 = 1e-5;
     let width_m = LENGTH_M / f64::from(cells) * 2.0;
     let mesh = box_mesh(DVec3::new(LENGTH_M, width_m, width_m), [cells, 2, 2], DVec3::X * 0.5 * LENGTH_M)?;
@@ -103,6 +107,7 @@ fn speed_of(effort: &Effort, wave: &Wave, cells: u32) -> Result<f64, CaseError> 
     let ends = [0.0, LENGTH_M].map(|at_m| nodes_where(&mesh, |x| (x.x - at_m).abs() < 1e-9));
     let [fixed_end, free_end] = ends;
     let mut bar = body("bar", mesh, material(DENSITY, YOUNG_PA, wave.poisson_ratio));
+    bar.motion = BodyMotion::Deformable(kinematics);
     bar.boundary = vec![
         held(fixed_end, [true; 3]),
         loaded(free_end, wave.along * (STRAIN * stiffness_pa * width_m * width_m)),
