@@ -14,6 +14,7 @@ mod looking;
 mod output_folder;
 mod picture_output;
 mod render;
+mod report_pictures;
 mod run;
 mod scene_source;
 mod scenes;

@@ -3,7 +3,7 @@
 use super::args::CommonArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::interrupt;
+use super::{interrupt, report_pictures};
 use crate::export::{create_folder, write_whole};
 use crate::verify::report::{self, CaseReport};
 use crate::verify::{CASES, Case, CaseError, Effort, find};
@@ -28,7 +28,7 @@ pub struct VerifyArgs {
     /// Print one Markdown table
     #[arg(long)]
     pub markdown: bool,
-    /// Write report.html with its plots, and the same as CSV, into a folder
+    /// Write report.html with its plots and pictures, and the same as CSV, into a folder
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
 }
@@ -64,7 +64,8 @@ pub fn run(args: &VerifyArgs, common: &CommonArgs, console: &Console) -> Result<
         console.result(report::markdown(&reports).trim_end())?;
     }
     if let Some(folder) = &args.report {
-        for (name, content) in report::files(&reports, args.quick) {
+        let pictures = report_pictures::draw(&reports, console)?;
+        for (name, content) in report::files(&reports, args.quick, &pictures) {
             write_whole(&folder.join(name), content.as_bytes())?;
         }
         console.note(format_args!("`{}` is written", folder.join(report::PAGE_FILE).display()));

@@ -45,6 +45,14 @@ fn encode_small(path: &Path, picture: &Picture) -> Result<Vec<u8>, ExportError> 
     Ok(bytes)
 }
 
+/// A picture as the content of a PNG file.
+///
+/// # Errors
+/// [`ExportError`], in words for the user.
+pub fn png_bytes(picture: &Picture) -> Result<Vec<u8>, ExportError> {
+    encode(Path::new("picture.png"), picture)
+}
+
 fn encode(path: &Path, picture: &Picture) -> Result<Vec<u8>, ExportError> {
     let failed = |reason: String| ExportError::Encode { path: path.to_owned(), reason };
     let rgb = rgb_of(path, picture)?.concat();

@@ -2,7 +2,9 @@
 
 use super::svg::{escaped, svg};
 use super::text::{HEADINGS, cells};
-use super::{CaseReport, counts};
+use super::{CaseReport, Pictures, counts};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
 use std::fmt::Write as _;
 
 const STYLE: &str = "
@@ -16,16 +18,16 @@ td small { color: var(--dim); display: block; }
 .pass { color: #1a7f37; }
 figure { margin: 1.2rem 0; max-width: 46rem; }
 figcaption { font-weight: 600; }
-svg { width: 100%; height: auto; }
+svg, img { width: 100%; height: auto; }
 svg text { font-size: 12px; fill: var(--dim); }
 svg .grid { stroke: var(--line); fill: none; }
 .legend span { margin-right: 1rem; white-space: nowrap; }
 .legend i { display: inline-block; width: .8rem; height: .8rem; margin-right: .3rem; border-radius: 2px; }
 ";
 
-/// The page, with its plots inside.
+/// The page, with its plots and pictures inside.
 #[must_use]
-pub fn html(reports: &[CaseReport], is_quick: bool) -> String {
+pub fn html(reports: &[CaseReport], is_quick: bool, pictures: &Pictures) -> String {
     let [pass, short, shown] = counts(reports);
     let quick = if is_quick { " --quick" } else { "" };
     let mut page = format!(
@@ -35,9 +37,13 @@ pub fn html(reports: &[CaseReport], is_quick: bool) -> String {
          Below each quantity stands where its reference comes from, and why its bound is what it is.</p>\n",
         env!("CARGO_PKG_VERSION")
     );
+    if let Some(missing) = &pictures.missing {
+        let _ = writeln!(page, "<p>{}</p>", escaped(missing));
+    }
     contents(&mut page, reports);
     for report in reports {
         section(&mut page, report);
+        pictures_of(&mut page, report, pictures);
     }
     page.push_str("</html>\n");
     page
@@ -89,5 +95,38 @@ fn section(page: &mut String, report: &CaseReport) {
             "<figure>\n<figcaption>{caption}</figcaption>\n{}<small>{id}.csv</small>\n</figure>",
             svg(plot)
         );
+    }
+}
+
+fn pictures_of(page: &mut String, report: &CaseReport, pictures: &Pictures) {
+    for picture in pictures.list.iter().filter(|picture| picture.case == report.case.id) {
+        let caption = escaped(&picture.caption);
+        let data = BASE64.encode(&picture.png);
+        let _ = writeln!(
+            page,
+            "<figure>\n<figcaption>{caption}</figcaption>\n<img alt=\"{caption}\" src=\"data:image/png;base64,{data}\">\n</figure>"
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Picture;
+    use super::*;
+    use crate::verify::{Outcome, find};
+
+    #[test]
+    fn pictures_stand_in_the_page_itself_or_the_page_says_why_there_are_none() {
+        let reports =
+            [CaseReport { case: find("rods").expect("it is in the list"), outcome: Ok(Outcome::default()) }];
+        let picture = |case| Picture { case, caption: "a < b".to_owned(), png: b"\x89PNG\r\n".to_vec() };
+        let pictures = Pictures { list: vec![picture("rods"), picture("spin")], missing: None };
+        let page = html(&reports, true, &pictures);
+        assert_eq!(page.matches("<img").count(), 1);
+        assert!(page.contains("data:image/png;base64,iVBORw0K\"") && page.contains("alt=\"a &lt; b\""));
+        let without =
+            Pictures { list: Vec::new(), missing: Some("The page has no pictures: no GPU".to_owned()) };
+        let page = html(&reports, true, &without);
+        assert!(page.contains("no pictures: no GPU") && !page.contains("<img"));
     }
 }

@@ -54,10 +54,29 @@ pub fn known_cases() -> String {
 /// Name of the page among the files of a report.
 pub const PAGE_FILE: &str = "report.html";
 
+/// A picture for the page.
+pub struct Picture {
+    /// Name of the case it belongs to.
+    pub case: &'static str,
+    /// What it shows.
+    pub caption: String,
+    /// The content of a PNG file.
+    pub png: Vec<u8>,
+}
+
+/// The pictures of a page; drawn by whoever asks for it, since nothing here draws.
+#[derive(Default)]
+pub struct Pictures {
+    /// The pictures.
+    pub list: Vec<Picture>,
+    /// Why there are none, as a sentence for the page.
+    pub missing: Option<String>,
+}
+
 /// All files of a report with their content: the page, and the same as CSV.
 #[must_use]
-pub fn files(reports: &[CaseReport], is_quick: bool) -> Vec<(String, String)> {
-    let page = (PAGE_FILE.to_owned(), html(reports, is_quick));
+pub fn files(reports: &[CaseReport], is_quick: bool, pictures: &Pictures) -> Vec<(String, String)> {
+    let page = (PAGE_FILE.to_owned(), html(reports, is_quick, pictures));
     std::iter::once(page).chain(csv_files(reports)).collect()
 }
 
