@@ -1,7 +1,8 @@
 //! Animations as GIF files, written picture by picture.
 //!
 //! After every picture the file on disk is a complete GIF: whatever ends the program, what was
-//! written so far can be watched. Until the first picture is there the file has a temporary name.
+//! written so far can be watched. Until the first picture is there the file has a temporary name; where there is a
+//! file already, it keeps that to the end: a full disk costs nobody the old one.
 
 use super::{ExportError, partial_name};
 use crate::export::palette::Palette;
@@ -26,8 +27,12 @@ const UNCHANGED_WITHIN: u8 = 1;
 /// Writes a GIF that loops for ever.
 pub struct GifWriter {
     path: PathBuf,
-    /// The file's name until its first picture is written.
-    unfinished: Option<PathBuf>,
+    /// The temporary name, while the file has it.
+    beside: Option<PathBuf>,
+    /// Whether there is a file to be replaced at the end.
+    replaces: bool,
+    /// Whether the disk has refused something.
+    is_refused: bool,
     file: File,
     encoder: gif::Encoder<Vec<u8>>,
     /// Length of the file up to the last complete picture, without the end mark.
@@ -71,13 +76,16 @@ impl GifWriter {
                 Ok(encoder)
             })
             .map_err(|error| failed(error.to_string()))?;
+        let replaces = path.is_file();
         // What is there and no plain file (a pipe, a device) cannot be replaced by one.
-        let unfinished = (path.is_file() || !path.exists()).then(|| partial_name(path));
-        let file = File::create(unfinished.as_deref().unwrap_or(path));
+        let beside = (replaces || !path.exists()).then(|| partial_name(path));
+        let file = File::create(beside.as_deref().unwrap_or(path));
         let file = file.map_err(ExportError::io("write", path))?;
         Ok(Self {
             path: path.to_owned(),
-            unfinished,
+            beside,
+            replaces,
+            is_refused: false,
             file,
             encoder,
             complete_bytes: 0,
@@ -121,15 +129,37 @@ impl GifWriter {
         };
         self.encoder.write_frame(&frame).map_err(|error| self.failed(error.to_string()))?;
         self.pictures += 1;
-        self.flush().map_err(ExportError::io("write", &self.path))
+        let written = self.flush();
+        self.is_refused |= written.is_err();
+        written.and_then(|()| self.show()).map_err(ExportError::io("write", &self.path))
+    }
+
+    /// Gives the file its name as soon as it has a picture and takes the place of nothing.
+    fn show(&mut self) -> io::Result<()> {
+        match self.beside.take_if(|_| !self.replaces) {
+            Some(beside) => std::fs::rename(beside, &self.path),
+            None => Ok(()),
+        }
     }
 
     /// Ends the file. Dropping the writer does as well, but tells no errors.
     ///
     /// # Errors
     /// [`ExportError`] when the disk does not take the last bytes.
-    pub fn finish(self) -> Result<(), ExportError> {
-        self.file.sync_all().map_err(ExportError::io("write", &self.path))
+    pub fn finish(mut self) -> Result<(), ExportError> {
+        self.end().map_err(ExportError::io("write", &self.path))
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        let synced = self.file.sync_all();
+        self.is_refused |= synced.is_err();
+        synced?;
+        match self.beside.take() {
+            // Without a picture it is no GIF, and what was there stays.
+            Some(beside) if self.pictures == 0 => std::fs::remove_file(beside),
+            Some(beside) if !self.is_refused => std::fs::rename(beside, &self.path),
+            _ => Ok(()),
+        }
     }
 
     fn failed(&self, reason: String) -> ExportError {
@@ -149,10 +179,6 @@ impl GifWriter {
             let _ = self.file.write_all(&[TRAILER]);
         }
         written?;
-        if let Some(unfinished) = &self.unfinished {
-            std::fs::rename(unfinished, &self.path)?;
-            self.unfinished = None;
-        }
         self.complete_bytes += bytes.len() as u64 - 1;
         self.file.seek(SeekFrom::Start(self.complete_bytes))?;
         Ok(())
@@ -227,11 +253,9 @@ impl GifWriter {
 }
 
 impl Drop for GifWriter {
-    /// A file without a picture is of no use to anybody.
     fn drop(&mut self) {
-        if let Some(unfinished) = &self.unfinished {
-            let _ = std::fs::remove_file(unfinished);
-        }
+        // Who wants to know of errors calls `finish`.
+        let _ = self.end();
     }
 }
 

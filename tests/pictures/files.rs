@@ -168,3 +168,29 @@ fn full_disk_is_told_in_plain_words() {
     let error = writer.push(&picture(0)).unwrap_err().to_string();
     assert!(error.contains("the disk is full"), "{error}");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn full_disk_costs_nobody_the_old_animation() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gif");
+    let write = |pictures: std::ops::Range<u32>| {
+        let mut writer = GifWriter::create(&path, SIZE, 25.0, &[&picture(0)])?;
+        pictures.map(picture).try_for_each(|picture| writer.push(&picture))?;
+        writer.finish()
+    };
+    write(0..3).unwrap();
+    let old = std::fs::read(&path).unwrap();
+    // What is written beside it meanwhile comes to a device that is always full.
+    let beside = hammerfall::export::partial_name(&path);
+    std::os::unix::fs::symlink("/dev/full", &beside).unwrap();
+    assert!(write(0..5).unwrap_err().to_string().contains("the disk is full"));
+    assert_eq!(std::fs::read(&path).unwrap(), old);
+    let _ = std::fs::remove_file(&beside);
+    // Without a picture it stays as well, and a whole new one takes its place.
+    write(0..0).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), old);
+    write(0..5).unwrap();
+    assert_eq!(play(&path).0.len(), 5);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
