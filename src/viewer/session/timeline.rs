@@ -63,10 +63,12 @@ pub(super) struct UndoPoint {
 impl Session {
     /// The frame of the present moment, made once.
     pub(super) fn renew_frame(&mut self) {
-        if let Some(run) = self.run.as_ref().filter(|_| self.run_error.is_none()) {
+        if let Some(run) = self.run.as_mut().filter(|_| self.run_error.is_none()) {
             let is_new =
                 self.frame_of != Some((run.world.steps(), run.world.time_s().to_bits(), self.edits.len()));
             if is_new {
+                // It may have been interrupted on its way to a moment.
+                run.world.place_free_bodies();
                 let world = &run.world;
                 let frame = if self.with_interior { world.publish_with_interior() } else { world.publish() };
                 self.frame = Arc::new(frame);
