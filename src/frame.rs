@@ -120,6 +120,15 @@ pub struct ContactMark {
     pub force_n: [f32; 3],
 }
 
+/// A spring that pulls at a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PullMark {
+    /// The grabbed point, metres.
+    pub from_m: [f32; 3],
+    /// What it is pulled to, metres.
+    pub to_m: [f32; 3],
+}
+
 /// Numbers that a caption or a status line shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameStatus {
@@ -152,6 +161,8 @@ pub struct Frame {
     pub contacts: Vec<ContactMark>,
     /// Stress crosses; only when they were asked for.
     pub crosses: Vec<StressCross>,
+    /// Springs that pull at bodies.
+    pub pulls: Vec<PullMark>,
     /// Whether there is no gravity, so that nothing stands on a floor.
     pub is_weightless: bool,
     /// Numbers for captions.

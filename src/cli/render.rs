@@ -49,7 +49,7 @@ impl From<PanelState> for WindowState {
 }
 
 /// Arguments of `render`.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct RenderArgs {
     /// Built-in scene or scene file
     pub scene: String,

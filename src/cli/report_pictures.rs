@@ -9,10 +9,10 @@ use super::shot::{Shot, Studio};
 use super::stepping::{self, Arrival};
 use crate::export::png::png_bytes;
 use crate::frame::ColorBy;
+use crate::render::Framing;
 use crate::scene::Scene;
 use crate::sim::World;
 use crate::verify::report::{CaseReport, Picture, Pictures};
-use std::path::PathBuf;
 
 /// A scene at a moment (s), beside a case.
 struct Subject {
@@ -80,18 +80,11 @@ fn take(subject: &Subject, studio: &mut Studio) -> Result<Picture, Failure> {
     let scene = Scene::load(subject.scene, &[]).map_err(|error| Failure::Run(error.to_string()))?;
     let args = RenderArgs {
         scene: subject.scene.to_owned(),
-        output: PathBuf::new(),
         size: super::args::parse_size(SIZE_PX).ok(),
-        fps: None,
-        duration: None,
         at: Some(subject.at_s),
-        slow_motion: None,
-        camera: None,
         color_by: subject.color_by,
         wireframe: true,
-        panels: false,
-        no_caption: false,
-        force: false,
+        ..RenderArgs::default()
     };
     let shot = Shot::new(&args, &scene.description, OutputKind::Png)?;
     let mut world = World::new(scene.setup)?;
@@ -100,7 +93,9 @@ fn take(subject: &Subject, studio: &mut Studio) -> Result<Picture, Failure> {
         return Err(Failure::Interrupted("stopped while the report's pictures were drawn".to_owned()));
     }
     let frames = [world.publish()];
-    let picture = studio.draw(&frames[0], &shot.setting(&frames))?;
+    let mut framing = Framing::default();
+    framing.include(&frames[0]);
+    let picture = studio.draw(&frames[0], &shot.setting(&frames, &framing))?;
     let png = png_bytes(&picture).map_err(|error| Failure::Run(error.to_string()))?;
     Ok(Picture { case: subject.case, caption: subject.caption.replace('`', ""), png })
 }

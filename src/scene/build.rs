@@ -1,15 +1,15 @@
 //! From the description of a scene to what the simulation starts from.
 
 use super::apart::overlaps;
-use super::description::{Body, BodyMaterial, GROUND, Ground, Removal, SceneDescription};
+use super::description::{Body, BodyMaterial, GROUND, Ground, LateContact, Removal, SceneDescription};
 use super::place::{Frame, Placed, place};
 use super::problem::suggestion;
 use super::selection::{PlacedMesh, select};
 use super::shape_mesh::{ELEMENT_LIMIT, ShapeMesh, mesh_of};
 use crate::mesh::TetMesh;
 use crate::sim::{
-    BodyMotion, BodySetup, BoundaryCondition, Change, ContactParameters, Material, PairFriction,
-    PlannedChange, WorldSetup,
+    BodyMotion, BodySetup, BoundaryCondition, Change, ContactParameters, Entrance, Material, PairFriction,
+    PlannedChange, Pull, WorldSetup,
 };
 use glam::DVec3;
 use std::path::Path;
@@ -225,21 +225,33 @@ impl Builder<'_> {
             return Err(self.problems);
         }
         let contact = &self.scene.contact;
+        let pairs = self.pair_friction();
+        let is_there = |body: usize| enters_s(self.scene, &self.bodies[body]) == FROM_THE_START;
         let parameters = ContactParameters {
             method: contact.method,
             friction_coefficient: contact.friction_coefficient,
-            pair_friction: self.pair_friction(),
+            pair_friction: pairs
+                .iter()
+                .copied()
+                .filter(|pair| pair.bodies.into_iter().all(is_there))
+                .collect(),
             self_collision: contact.self_collision,
             rest_speed_m_s: contact.rest_speed_m_s,
         };
+        let names: Vec<String> = self.bodies.iter().map(|body| body.setup.name.clone()).collect();
+        let late_contact = self.late_contact();
         let mut bodies = Vec::new();
         let mut changes = Vec::new();
-        for body in self.bodies {
+        for (index, body) in self.bodies.into_iter().enumerate() {
             let time_s = enters_s(self.scene, &body);
             if time_s == FROM_THE_START {
                 bodies.push(body.setup);
             } else {
-                changes.push(PlannedChange { time_s, change: Change::Enter(Box::new(body.setup)) });
+                // By name: in the running world others may have come in before.
+                let own = pairs.iter().filter(|pair| pair.bodies[1] == index);
+                let friction = own.map(|pair| (names[pair.bodies[0]].clone(), pair.friction_coefficient));
+                let entrance = Entrance { friction: friction.collect(), body: body.setup };
+                changes.push(PlannedChange { time_s, change: Change::Enter(Box::new(entrance)) });
             }
         }
         let leave = |removal: &Removal| PlannedChange {
@@ -247,6 +259,12 @@ impl Builder<'_> {
             change: Change::Leave(removal.body.clone()),
         };
         changes.extend(self.scene.removals.iter().map(leave));
+        changes.extend(late_contact);
+        let pull = |pull: &Pull| PlannedChange {
+            time_s: pull.begins_s(),
+            change: Change::Pull(Box::new(pull.clone())),
+        };
+        changes.extend(self.scene.pulls.iter().map(pull));
         changes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(Built {
             setup: WorldSetup {
@@ -259,6 +277,26 @@ impl Builder<'_> {
             },
             notes: self.notes,
         })
+    }
+
+    /// Changes of contact; who names a body with copies means all of them.
+    fn late_contact(&self) -> Vec<PlannedChange> {
+        let names = |name: &String| -> Vec<String> {
+            let bodies = self.bodies_called(name).into_iter();
+            bodies.map(|body| self.bodies[body].setup.name.clone()).collect()
+        };
+        let planned = |late: &LateContact| {
+            let mut change = late.change.clone();
+            let pairs = late.change.pairs.iter().flat_map(|([a, b], friction)| {
+                let seconds = names(b);
+                let with =
+                    move |a: String| seconds.clone().into_iter().map(move |b| ([a.clone(), b], *friction));
+                names(a).into_iter().flat_map(with)
+            });
+            change.pairs = pairs.filter(|([a, b], _)| a != b).collect();
+            PlannedChange { time_s: late.at_s, change: Change::Contact(Box::new(change)) }
+        };
+        self.scene.contact_changes.iter().map(planned).collect()
     }
 
     /// The pairs named in the text, then the ground with everybody not named together with it.

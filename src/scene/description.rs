@@ -4,7 +4,10 @@
 //! otherwise. What the simulation takes as it stands ([`Material`], [`BodyMotion`], ...) is used here too.
 
 use crate::frame::ColorBy;
-use crate::sim::{BodyMotion, BoundaryAction, ContactMethod, FractureParameters, Material, TimeParameters};
+use crate::sim::{
+    BodyMotion, BoundaryAction, ContactChange, ContactMethod, FractureParameters, Material, Pull,
+    TimeParameters,
+};
 use glam::{DQuat, DVec3};
 
 pub use super::shape::Shape;
@@ -41,6 +44,19 @@ pub struct SceneDescription {
     pub recording: Recording,
     /// Bodies that are taken out on the way.
     pub removals: Vec<Removal>,
+    /// Contact that changes on the way.
+    pub contact_changes: Vec<LateContact>,
+    /// Springs that pull at bodies.
+    pub pulls: Vec<Pull>,
+}
+
+/// A change of contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LateContact {
+    /// When, s.
+    pub at_s: f64,
+    /// What.
+    pub change: ContactChange,
 }
 
 /// A body that is taken out.

@@ -3,7 +3,7 @@
 
 use super::description::BodyMaterial;
 use super::{Scene, SceneError};
-use crate::sim::{BodySetup, Change};
+use crate::sim::{Change, ContactChange, ContactMethod, Entrance, Pull};
 use glam::{DQuat, DVec3};
 use std::fmt::Write as _;
 use toml_edit::Table;
@@ -48,7 +48,7 @@ const OWN_KEYS: [&str; 11] = [
 ];
 
 impl Scene {
-    /// The scene with a body that comes in later, and that body as built.
+    /// The scene with a body that comes in later, that body as built, and the text that was added.
     ///
     /// # Errors
     /// [`SceneError::Invalid`] with what is wrong with it.
@@ -56,7 +56,7 @@ impl Scene {
         &self,
         newcomer: &Newcomer,
         arrival: &Arrival,
-    ) -> Result<(Self, BodySetup), SceneError> {
+    ) -> Result<(Self, Entrance, String), SceneError> {
         let mut text = match newcomer {
             Newcomer::Shape { shape, material, color_srgb } => {
                 format!(
@@ -72,21 +72,22 @@ impl Scene {
         text.push_str(&arrival.to_toml());
         let scene = self.with_text(&text)?;
         let is_new = |change: &Change| match change {
-            Change::Enter(body) if body.name == arrival.name => Some((**body).clone()),
+            Change::Enter(entrance) if entrance.body.name == arrival.name => Some((**entrance).clone()),
             _ => None,
         };
         // The text names the body, so that the scene that was built from it has it.
         let body = scene.setup.changes.iter().find_map(|planned| is_new(&planned.change));
         let body = body.ok_or_else(|| super::not_found(&arrival.name))?;
-        Ok((scene, body))
+        Ok((scene, body, text))
     }
 
-    /// The scene with a body taken out at a time, s.
+    /// The scene with a body taken out at a time, s, and the text that was added.
     ///
     /// # Errors
     /// [`SceneError::Invalid`] when there is no such body.
-    pub fn with_removal(&self, body: &str, time_s: f64) -> Result<Self, SceneError> {
-        self.with_text(&format!("[[removals]]\nbody = {body:?}\nat = {time_s:?}\n"))
+    pub fn with_removal(&self, body: &str, time_s: f64) -> Result<(Self, String), SceneError> {
+        let text = format!("[[removals]]\nbody = {body:?}\nat = {time_s:?}\n");
+        Ok((self.with_text(&text)?, text))
     }
 
     /// The entry of the text that a body of the world comes from.
@@ -133,6 +134,72 @@ impl Arrival {
     }
 }
 
+/// A change of contact as the scene file has it.
+#[must_use]
+pub fn contact_change_text(change: &ContactChange, time_s: f64) -> String {
+    let mut text = format!("[[contact_changes]]\nat = {time_s:?}\n");
+    let mut line = |key: &str, value: String| {
+        let _ = writeln!(text, "{key} = {value}");
+    };
+    if let Some(friction) = change.friction_coefficient {
+        line("friction", format!("{friction:?}"));
+    }
+    for (body, friction) in &change.body_friction {
+        debug_assert_eq!(body, super::description::GROUND);
+        line("ground_friction", format!("{friction:?}"));
+    }
+    if let Some(own) = change.self_collision {
+        line("self_collision", own.to_string());
+    }
+    if let Some(speed_m_s) = change.rest_speed_m_s {
+        line("rest_speed", speed_m_s.map_or("\"derived\"".to_owned(), |speed_m_s| format!("{speed_m_s:?}")));
+    }
+    if let Some(method) = change.method {
+        method_lines(method).into_iter().for_each(|(key, value)| line(key, value));
+    }
+    if !change.pairs.is_empty() {
+        let pair = |([a, b], friction): &([String; 2], f64)| {
+            format!("{{ bodies = [{a:?}, {b:?}], friction = {friction:?} }}")
+        };
+        let pairs: Vec<String> = change.pairs.iter().map(pair).collect();
+        line("pairs", format!("[{}]", pairs.join(", ")));
+    }
+    text
+}
+
+fn method_lines(method: ContactMethod) -> Vec<(&'static str, String)> {
+    match method {
+        ContactMethod::Lagrange { passes, tolerance, conserve_impact_energy } => {
+            let impact = if conserve_impact_energy { "elastic" } else { "plastic" };
+            vec![
+                ("method", "\"lagrange\"".to_owned()),
+                ("passes", passes.to_string()),
+                ("tolerance", format!("{tolerance:?}")),
+                ("impact", format!("{impact:?}")),
+            ]
+        }
+        ContactMethod::Penalty { stiffness_n_m } => {
+            vec![("method", "\"penalty\"".to_owned()), ("penalty_stiffness", format!("{stiffness_n_m:?}"))]
+        }
+    }
+}
+
+/// A pull as the scene file has it; one that has not let go yet does so at the end of its path.
+#[must_use]
+pub fn pull_text(pull: &Pull) -> String {
+    let mut text = format!("[[pulls]]\nbody = {:?}\nat = {}\n", pull.body, vector(pull.at_m));
+    let _ = writeln!(text, "follow = {:?}", pull.follow_s);
+    if pull.until_s.is_finite() {
+        let _ = writeln!(text, "until = {:?}", pull.until_s);
+    }
+    text.push_str("path = [\n");
+    for point in &pull.path {
+        let _ = writeln!(text, "    {{ time = {:?}, point = {} }},", point.time_s, vector(point.point_m));
+    }
+    text.push_str("]\n");
+    text
+}
+
 /// Every digit, so that reading gives the same number.
 fn vector(v: DVec3) -> String {
     format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z)
@@ -173,10 +240,10 @@ mod tests {
     fn a_late_body_comes_in_when_it_is_due_and_goes_again() {
         let scene = Scene::load("bounce", &[]).unwrap();
         let name = scene.setup.bodies.last().unwrap().name.clone();
-        let (scene, body) =
+        let (scene, entrance, _) =
             scene.with_arrival(&Newcomer::CopyOf(name.clone()), &arrival("late", 0.01)).unwrap();
-        assert_eq!(body.mesh.tets.len(), scene.setup.bodies.last().unwrap().mesh.tets.len());
-        let scene = scene.with_removal("late", 0.02).unwrap();
+        assert_eq!(entrance.body.mesh.tets.len(), scene.setup.bodies.last().unwrap().mesh.tets.len());
+        let (scene, _) = scene.with_removal("late", 0.02).unwrap();
         let saved = Scene::from_text("saved", &scene.to_toml(), scene.folder(), &[]).unwrap();
         assert_eq!(saved.setup, scene.setup);
         let mut world = World::new(saved.setup.clone()).unwrap();
@@ -204,7 +271,7 @@ mod tests {
             material: scene.description.materials[0].name.clone(),
             color_srgb: [0.5, 0.25, 0.1],
         };
-        let (scene, body) = scene.with_arrival(&newcomer, &arrival("another", 1.0 / 7.0)).unwrap();
+        let (scene, body, _) = scene.with_arrival(&newcomer, &arrival("another", 1.0 / 7.0)).unwrap();
         let saved = Scene::from_text("saved", &scene.to_toml(), scene.folder(), &[]).unwrap();
         assert!(matches!(&saved.setup.changes[0].change, Change::Enter(again) if **again == body));
         assert_eq!(saved.setup.changes[0].time_s, 1.0 / 7.0);

@@ -34,7 +34,7 @@ mod tree;
 
 pub use description::SceneDescription;
 pub use document::SceneDocument;
-pub use late::{Arrival, Newcomer};
+pub use late::{Arrival, Newcomer, contact_change_text, pull_text};
 pub use library::{BUILTIN_SCENES, BuiltinScene};
 pub use overlap::{Overlap, overlap};
 pub use presets::{PRESETS, Preset};

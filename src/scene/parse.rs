@@ -3,6 +3,7 @@
 mod bodies;
 mod cross_checks;
 mod fracture;
+mod late;
 mod settings;
 
 pub(super) use fracture::{CRITERION_PREFIX, parse_criterion};
@@ -46,7 +47,9 @@ pub(super) fn read_scene(root: &Node, findings: &Findings) -> SceneDescription {
         fracture,
         cameras: cameras.into_iter().map(settings::read_camera).collect(),
         recording: settings::read_recording(table.table_or_empty("recording"), duration_s),
-        removals: table.tables("removals").into_iter().map(settings::read_removal).collect(),
+        removals: table.tables("removals").into_iter().map(late::read_removal).collect(),
+        contact_changes: table.tables("contact_changes").into_iter().map(late::read_contact_change).collect(),
+        pulls: table.tables("pulls").into_iter().map(late::read_pull).collect(),
     }
 }
 
@@ -202,6 +205,9 @@ mod tests {
         contact.pairs = [{ bodies = ["a", "ground"], friction = 1 }]
         time.duration = 1
         cameras.c = {}
+        removals = [{ body = "a", at = 1 }]
+        contact_changes = [{ at = 1 }]
+        pulls = [{ body = "b", at = [0, 0, 0], path = [{ time = 0, point = [0, 0, 0] }], until = 1 }]
         bodies = [
             { name = "a", material = "m", mesh.file = "f", rotation = { axis = [0, 0, 1], degrees = 1 },
               motion = "kinematic", prescribed = {},

@@ -1,6 +1,7 @@
 //! A body: its shape, its elements, its state.
 
 use super::breaking::Breaking;
+use super::pull::Grip;
 use super::rigid::RigidMotion;
 use super::{
     BodyMotion, BodySetup, BoundaryAction, FractureParameters, Kinematics, PrescribedMotion, SimError,
@@ -127,6 +128,8 @@ pub(super) struct Body {
     /// By ascending node.
     pub prescribed: Vec<PrescribedNode>,
     pub loads: Vec<Load>,
+    /// Pulls at work.
+    pub grips: Vec<Grip>,
     pub position_m: Vec<DVec3>,
     pub velocity_m_s: Vec<DVec3>,
     /// Acceleration by elastic forces, loads and gravity at `position_m`, m/s2.
@@ -138,6 +141,8 @@ pub(super) struct Body {
     pub ledger: Ledger,
     /// Mean local element size of the surface, m.
     pub mean_size_m: f64,
+    /// Young's modulus of the softest of its materials, Pa.
+    pub softest_pa: f64,
     /// Largest vibration energy since the last touch, J.
     pub vibration_reference_j: f64,
     /// Whether it was taken out of the world.
@@ -172,6 +177,7 @@ impl Body {
             arms_m,
             prescribed: Vec::new(),
             loads: Vec::new(),
+            grips: Vec::new(),
             position_m: mesh.nodes_m.clone(),
             velocity_m_s: vec![DVec3::ZERO; nodes],
             acceleration_m_s2: vec![DVec3::ZERO; nodes],
@@ -180,6 +186,7 @@ impl Body {
             regime: Regime::Fixed,
             ledger: Ledger::default(),
             mean_size_m,
+            softest_pa: setup.materials.iter().map(|m| m.youngs_modulus_pa).fold(f64::INFINITY, f64::min),
             vibration_reference_j: 0.0,
             is_removed: false,
             mass_kg,
@@ -269,6 +276,7 @@ impl Body {
         self.motion = BodyMotion::Fixed;
         self.elasticity = None;
         self.breaking = None;
+        self.grips.clear();
         self.velocity_m_s.fill(DVec3::ZERO);
         self.inverse_mass_per_kg.fill(DVec3::ZERO);
         self.position_m.iter_mut().for_each(|x| x.z -= OUT_OF_REACH_M);
@@ -279,9 +287,10 @@ impl Body {
         self.breaking.as_ref().is_some_and(Breaking::is_broken)
     }
 
-    /// Whether nothing holds or loads the body and it is in one piece, so that it can travel freely.
+    /// Whether nothing holds, loads or pulls the body and it is in one piece, so that it can travel freely.
     pub fn can_travel_freely(&self) -> bool {
-        self.is_deformable() && self.prescribed.is_empty() && self.loads.is_empty() && !self.is_broken()
+        let is_free = self.prescribed.is_empty() && self.loads.is_empty() && self.grips.is_empty();
+        self.is_deformable() && is_free && !self.is_broken()
     }
 
     /// Linear momentum, kg m/s.

@@ -29,12 +29,12 @@ pub(super) struct StepContext {
 }
 
 impl Body {
-    /// Largest stable step now, s: the reference shape's, reduced for large strain and for damping by
-    /// stiffness.
+    /// Largest stable step now, s: the reference shape's, reduced for large strain, for damping by
+    /// stiffness and for springs that pull.
     pub fn stable_step_s(&self) -> f64 {
         let Some(elasticity) = &self.elasticity else { return f64::INFINITY };
         let step_s = elasticity.critical_step_s * elasticity.step_factor;
-        crate::fem::damped_step_s(step_s, elasticity.stiffness_damping_s)
+        self.pulled_step_s(crate::fem::damped_step_s(step_s, elasticity.stiffness_damping_s))
     }
 
     /// About the time that a wave takes to cross the body, s.
@@ -221,6 +221,7 @@ impl Body {
         self.hold_step_factor();
         self.add_stiffness_damping(c.step_s);
         self.add_loads(c);
+        self.add_pulls(c);
         if let Some(breaking) = &mut self.breaking {
             breaking.releases.advance(c.time_s, &mut self.force_n);
         }

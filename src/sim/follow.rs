@@ -29,6 +29,7 @@ impl Body {
         let numbers = self.follow_surface();
         self.follow_supports(changes);
         self.follow_loads(changes);
+        self.follow_grips(changes);
         self.ledger.dropped_j += changes.kinetic_energy_lost_j;
         self.force_n.resize(self.reference_m.len(), DVec3::ZERO);
         self.hold_crack_faces(context, changes);
@@ -186,6 +187,7 @@ impl Body {
             let at_node = load.node_forces_n.iter().filter(|(n, _)| *n == node);
             force_n += at_node.map(|(_, full_n)| *full_n * load.share(context.time_s)).sum::<DVec3>();
         }
+        force_n += self.pulled_n(node);
         let damping_m_s2 = elasticity.damping_m_s2.get(node as usize).copied().unwrap_or_default();
         force_n / self.mass_kg[node as usize] + damping_m_s2 + context.gravity_m_s2
     }

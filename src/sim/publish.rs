@@ -4,8 +4,8 @@ use super::body::{Body, Regime};
 use super::{ElementStress, World};
 use crate::contact::Constraint;
 use crate::frame::{
-    BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, Interior, InteriorTopology, SurfaceTopology,
-    VertexFields,
+    BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, Interior, InteriorTopology, PullMark,
+    SurfaceTopology, VertexFields,
 };
 use crate::math::symmetric_eigenvalues;
 use glam::{DMat3, DVec3};
@@ -125,6 +125,11 @@ impl World {
             bodies: bodies.collect(),
             contacts: self.marks.clone(),
             crosses: Vec::new(),
+            pulls: self
+                .pulls_m()
+                .iter()
+                .map(|[from, to]| PullMark { from_m: to_f32(*from), to_m: to_f32(*to) })
+                .collect(),
             is_weightless: self.setup.gravity_m_s2 == DVec3::ZERO,
             status: self.status(),
         }

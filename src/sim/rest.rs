@@ -190,12 +190,15 @@ impl RestTracker {
     }
 
     /// Whether nothing will act on the body without being noticed in its sleep: moving supports, growing
-    /// loads, bodies with a prescribed motion still to come.
+    /// loads, pulls, bodies with a prescribed motion still to come.
     fn may_rest(&self, body: &Body, world: &RestView) -> bool {
         let is_held_still = body.prescribed.iter().all(|p| p.velocity_m_s == DVec3::ZERO);
         let is_loaded_fully = body.loads.iter().all(|load| load.ramp_s <= world.time_s);
         let others = self.window.pressures.iter().map(|p| &world.bodies[p.other as usize]);
-        is_held_still && is_loaded_fully && others.into_iter().all(|b| has_stopped(&b.motion, world.time_s))
+        is_held_still
+            && is_loaded_fully
+            && body.grips.is_empty()
+            && others.into_iter().all(|b| has_stopped(&b.motion, world.time_s))
     }
 }
 

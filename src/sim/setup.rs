@@ -1,5 +1,6 @@
 //! What a world is built from: plain data, checked by [`crate::sim::World::new`].
 
+use super::{ContactChange, Entrance, Pull};
 use crate::fem::ElementKinematics;
 use crate::fracture::{Criterion, PropagationRule, SMALLEST_FRAGMENT_ELEMENTS};
 use crate::mesh::TetMesh;
@@ -304,10 +305,14 @@ impl Default for FractureParameters {
 /// What happens to the bodies on the way.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// A body comes in, as a thrown one does; see [`crate::sim::World::add_body`].
-    Enter(Box<BodySetup>),
+    /// A body comes in, as a thrown one does; see [`crate::sim::World::enter`].
+    Enter(Box<Entrance>),
     /// The body of this name is taken out.
     Leave(String),
+    /// Contact changes.
+    Contact(Box<ContactChange>),
+    /// Somebody grabs a body.
+    Pull(Box<Pull>),
 }
 
 /// A change at the end of the first step that reaches its time.

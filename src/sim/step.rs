@@ -48,6 +48,7 @@ impl World {
             return Ok(StepReport { time_s: self.time_s, ..StepReport::default() });
         }
         let limit_s = limit_s.min(self.make_planned_changes()?);
+        self.let_go();
         let started = Instant::now();
         let before = self.phases.counted_s();
         let was_colliding = !self.list.is_empty();
@@ -182,6 +183,7 @@ impl World {
             end_s = touch.time_s.max(start_s);
         }
         self.phases.detection_s += clock.elapsed().as_secs_f64();
+        self.limit_pulls(end_s);
         let mut collected = Collected::default();
         let was_held = std::mem::take(&mut self.list);
         let mut held = was_held.keep(|body| self.bodies[body as usize].regime == Regime::Asleep);

@@ -130,6 +130,8 @@ pub struct World {
     pub(super) largest_penetration_ratio: f64,
     /// Of the planned changes, how many were made.
     pub(super) changes_made: usize,
+    /// Friction of bodies with all others, newcomers included, as it was changed on the way.
+    pub(super) body_friction: Vec<(String, f64)>,
 }
 
 /// Failure time of an element that has never taken part in a crack, s.
@@ -174,6 +176,7 @@ impl World {
             spring_j: 0.0,
             largest_penetration_ratio: 0.0,
             changes_made: 0,
+            body_friction: Vec::new(),
         })
     }
 
@@ -377,13 +380,13 @@ impl World {
             let change = planned.change.clone();
             self.changes_made += 1;
             match change {
-                super::Change::Enter(body) => {
-                    self.add_body(*body)?;
-                }
+                super::Change::Enter(entrance) => drop(self.enter(&entrance)?),
                 super::Change::Leave(name) => {
                     let body = self.bodies.iter().position(|b| b.name == name);
                     body.into_iter().for_each(|body| self.remove_body(body));
                 }
+                super::Change::Contact(change) => self.change_contact(&change)?,
+                super::Change::Pull(pull) => self.pull(&pull)?,
             }
         }
         Ok(f64::INFINITY)

@@ -1,8 +1,8 @@
 //! The list of cases.
 
 use super::cases::{
-    beams, criteria, fracture, impact, incline, kinematics, patch, penalty, pile, rods, scenes, spin, squeeze,
-    waves,
+    beams, criteria, fracture, impact, incline, kinematics, patch, penalty, pile, rods, scenes, spin,
+    squeeze, waves,
 };
 use super::{CaseError, Effort, Plot, Quantity};
 

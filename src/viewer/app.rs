@@ -66,6 +66,8 @@ pub struct App {
     pub look: Look,
     /// What the mouse would throw.
     pub aim: Aim,
+    /// The body that the mouse holds.
+    pub hold: Option<ui::grab::Hold>,
     /// Which recorded moment is shown.
     pub player: Player,
     /// Writes files.
@@ -159,6 +161,7 @@ impl App {
             edits: Edits::default(),
             look: Look::default(),
             aim: Aim::default(),
+            hold: None,
             player: Player::default(),
             saver: Saver::default(),
             save: SaveState::default(),
@@ -453,8 +456,9 @@ impl App {
                 Job::Animation(frames, Box::new(self.shot(true)))
             }
             SaveKind::Scene => {
-                let contact = self.snapshot.contact.clone().unwrap_or_default();
-                match saving::scene_text(&scene, &contact, &self.look, self.snapshot.speed) {
+                let snapshot = &self.snapshot;
+                let late = (&*snapshot.late_text, snapshot.frame.time_s);
+                match saving::scene_text(&scene, late, &self.look, snapshot.speed) {
                     Ok(text) => Job::Scene(text),
                     Err(reason) => {
                         self.trouble = Some(format!("The scene was not saved: {reason}"));
@@ -521,14 +525,24 @@ impl App {
                 self.look_back(|player, recording| player.step(recording, 1))
             }
             Action::Step => self.simulation.send(Command::Step),
-            Action::Reset => self.reset(),
+            Action::Reset => self.reset(false),
+            Action::Again => self.reset(true),
             Action::SetSpeed(speed) => self.simulation.send(Command::SetSpeed(speed)),
             Action::Throw(throw) => self.edit_scene(Command::Throw(throw)),
             Action::Remove(body) => self.edit_scene(Command::Remove(body)),
             Action::Inspect(body, element) => self.inspect(body, element),
+            Action::Grab { element, point_m, to_m } => {
+                self.edit_scene(Command::Grab { element, point_m, to_m });
+            }
+            Action::Drag(to_m) => self.simulation.send(Command::Drag(to_m)),
+            Action::LetGo => self.simulation.send(Command::LetGo),
             Action::Undo => {
                 self.player.leave();
                 self.simulation.send(Command::Undo);
+            }
+            Action::Redo => {
+                self.player.leave();
+                self.simulation.send(Command::Redo);
             }
             Action::ToggleAim => {
                 self.aim.is_armed = !self.aim.is_armed;
@@ -577,9 +591,9 @@ impl App {
         }
     }
 
-    fn reset(&mut self) {
+    fn reset(&mut self, keep: bool) {
         if let Some(base) = &self.snapshot.base {
-            self.simulation.send(Command::Reset { overrides: self.edits.overrides(base) });
+            self.simulation.send(Command::Reset { overrides: self.edits.overrides(base), keep });
         }
     }
 }

@@ -14,8 +14,9 @@ pub fn exploded(frame: &Frame, share: f32) -> Frame {
     for body in moved.bodies.iter_mut().filter(|body| body.role == BodyRole::Deformable) {
         explode(body, middle, share);
     }
-    // Marks of contacts would hang in the air.
+    // Marks of contacts and pulls would hang in the air.
     moved.contacts.clear();
+    moved.pulls.clear();
     moved
 }
 

@@ -44,6 +44,8 @@ pub struct Mark {
     pub kind: MarkKind,
     /// What happened.
     pub text: String,
+    /// How many edits of the running scene had been made by then.
+    pub edits: usize,
 }
 
 /// Everything recorded, in the order of time.
@@ -147,16 +149,16 @@ impl Recording {
     }
 
     /// Adds a mark.
-    pub fn mark(&mut self, time_s: f64, kind: MarkKind, text: String) {
+    pub fn mark(&mut self, mark: Mark) {
         if self.marks.len() < MOST_MARKS {
-            self.marks.push(Mark { time_s, kind, text });
+            self.marks.push(mark);
         }
     }
 
     /// Forgets what comes after a moment.
     pub fn cut_after(&mut self, time_s: f64, edits: usize) {
         self.moments.retain(|moment| moment.time_s <= time_s && moment.edits <= edits);
-        self.marks.retain(|mark| mark.time_s <= time_s);
+        self.marks.retain(|mark| mark.time_s <= time_s && mark.edits <= edits);
         self.count_bytes();
         self.offered = (self.moments.len() as u64) << self.thinning;
     }

@@ -9,7 +9,6 @@ use crate::export::{ExportError, write_whole};
 use crate::frame::Frame;
 use crate::render::{Camera, Gpu, OffScreen, Picture, View};
 use crate::scene::{Scene, Shape};
-use crate::sim::{ContactMethod, ContactParameters};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -99,9 +98,14 @@ impl Studio {
             None => Gpu::headless().map_err(|error| error.to_string())?,
         };
         let screen = OffScreen::new(&gpu).map_err(|error| error.to_string())?;
-        // A device that was lost is not kept, and the next picture opens a new one.
+        // A device that was lost is not kept, and the next picture opens a new one; so with `forget`.
         *known = Some(gpu);
         Ok(screen)
+    }
+
+    /// After a picture that could not be drawn.
+    fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 }
 
@@ -187,7 +191,10 @@ fn save(job: &Job, path: &Path, progress: &Progress) -> Outcome {
         Job::Picture(frame, shot) => {
             let mut screen = progress.studio.open()?;
             let picture = screen.render(shot.size_px, frame, &shot.camera, &shot.view);
-            let picture = picture.map_err(|error| error.to_string())?;
+            let picture = picture.map_err(|error| {
+                progress.studio.forget();
+                error.to_string()
+            })?;
             write_png(path, &picture).map_err(words)?;
         }
         Job::Animation(frames, shot) => return animation(frames, shot, path, progress),
@@ -200,10 +207,16 @@ fn save(job: &Job, path: &Path, progress: &Progress) -> Outcome {
 
 fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progress) -> Outcome {
     let mut screen = progress.studio.open()?;
+    if frames.is_empty() {
+        return Err("nothing is recorded yet".to_owned());
+    }
     let mut draw = |frame: &Frame| {
         let seen = (!shot.seeing.is_plain()).then(|| shot.seeing.of(frame));
-        let frame = seen.as_ref().unwrap_or(frame);
-        screen.render(shot.size_px, frame, &shot.camera, &shot.view).map_err(|error| error.to_string())
+        let picture = screen.render(shot.size_px, seen.as_ref().unwrap_or(frame), &shot.camera, &shot.view);
+        picture.map_err(|error| {
+            progress.studio.forget();
+            error.to_string()
+        })
     };
     let samples = frames.iter().step_by(frames.len().div_ceil(SAMPLES).max(1)).map(|frame| draw(frame));
     let samples: Vec<Picture> = samples.collect::<Result<_, _>>()?;
@@ -221,7 +234,11 @@ fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progres
             return Ok(format!("stopped: {} keeps the first {index} pictures", path.display()));
         }
         let kept = |error: String| match index {
-            0 => error,
+            0 => {
+                // An empty file is no animation.
+                let _ = std::fs::remove_file(path);
+                error
+            }
             _ => format!("{error}; the first {index} pictures are in {}", path.display()),
         };
         let picture = draw(frame).map_err(kept)?;
@@ -232,14 +249,14 @@ fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progres
     Ok(format!("saved {} with {} pictures", path.display(), frames.len()))
 }
 
-/// The text of a scene that gives again what is seen: bodies thrown in and taken out, contact as on the sliders,
-/// camera, speed and colours.
+/// The text of a scene that gives again what is seen: bodies thrown in and taken out, `late_text` with what else was
+/// done on the way, camera, speed and colours. It lasts at least until `seen_s`.
 ///
 /// # Errors
 /// What does not go into a scene.
 pub fn scene_text(
     scene: &Scene,
-    contact: &ContactParameters,
+    (late_text, seen_s): (&str, f64),
     look: &Look,
     speed: f64,
 ) -> Result<String, String> {
@@ -255,57 +272,18 @@ pub fn scene_text(
         f64::from(camera.distance_m),
         f64::from(camera.fov_y_rad).to_degrees(),
     );
-    let scene = scene.with_text(&text).map_err(|error| error.to_string())?;
+    let scene = scene.with_text(&format!("{late_text}{text}")).map_err(|error| error.to_string())?;
     let mut overrides = vec![
         format!("recording.camera={name:?}"),
         format!("recording.slow_motion={:?}", 1.0 / speed.clamp(1e-9, 1.0)),
         format!("recording.color_by={}", look.color_by.name()),
     ];
-    overrides.extend(contact_overrides(contact, &scene));
+    if seen_s > scene.description.duration_s {
+        overrides.push(format!("time.duration={seen_s:?}"));
+    }
     overrides.extend(whole_paths(&scene));
     let scene = scene.with_overrides(&overrides).map_err(|error| error.to_string())?;
     Ok(scene.to_toml())
-}
-
-/// What contact on the sliders has other than the scene; friction of single pairs has no place of its own there.
-fn contact_overrides(now: &ContactParameters, scene: &Scene) -> Vec<String> {
-    let then = &scene.setup.contact;
-    let mut overrides = Vec::new();
-    if now.friction_coefficient != then.friction_coefficient {
-        overrides.push(format!("contact.friction={:?}", now.friction_coefficient));
-    }
-    if now.self_collision != then.self_collision {
-        overrides.push(format!("contact.self_collision={}", now.self_collision));
-    }
-    if let Some(speed) = now.rest_speed_m_s.filter(|_| now.rest_speed_m_s != then.rest_speed_m_s) {
-        overrides.push(format!("contact.rest_speed={speed:?}"));
-    }
-    if now.method != then.method {
-        match now.method {
-            ContactMethod::Lagrange { passes, tolerance, conserve_impact_energy } => {
-                let impact = if conserve_impact_energy { "elastic" } else { "plastic" };
-                overrides.push("contact.method=lagrange".to_owned());
-                overrides.push(format!("contact.passes={passes}"));
-                overrides.push(format!("contact.tolerance={tolerance:?}"));
-                overrides.push(format!("contact.impact={impact}"));
-            }
-            ContactMethod::Penalty { stiffness_n_m } => {
-                overrides.push(format!("contact.penalty_stiffness={stiffness_n_m:?}"));
-                overrides.push("contact.method=penalty".to_owned());
-            }
-        }
-    }
-    let ground = |contact: &ContactParameters| {
-        let pair =
-            contact.pair_friction.iter().find(|pair| pair.bodies.contains(&super::session::GROUND_BODY));
-        pair.map(|pair| pair.friction_coefficient)
-    };
-    let has_own =
-        scene.description.ground.as_ref().is_some_and(|ground| ground.friction_coefficient.is_some());
-    if let Some(friction) = ground(now).filter(|friction| has_own && Some(*friction) != ground(then)) {
-        overrides.push(format!("ground.friction={friction:?}"));
-    }
-    overrides
 }
 
 /// Mesh files are found again wherever the scene is saved.
@@ -324,19 +302,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_saved_scene_has_contact_camera_and_colours_of_the_window() {
+    fn a_saved_scene_has_camera_and_colours_of_the_window() {
         for name in ["brick-pile", "hammer-table", "rods-collision"] {
             let scene = Scene::load(name, &[]).unwrap();
-            let mut contact = scene.setup.contact.clone();
-            contact.friction_coefficient = 0.77;
-            contact.method =
-                ContactMethod::Lagrange { passes: 7, tolerance: 1e-5, conserve_impact_energy: false };
             let mut look = Look::default();
             look.color_by = crate::frame::ColorBy::VonMises;
             look.camera.distance_m = 7.5;
-            let text = scene_text(&scene, &contact, &look, 0.01).unwrap();
+            let late = "[[contact_changes]]\nat = 0.1\nfriction = 0.77\n\n";
+            let text = scene_text(&scene, (late, 77.0), &look, 0.01).unwrap();
             let saved = Scene::from_text("saved", &text, scene.folder(), &[]).unwrap();
-            assert_eq!(saved.setup.contact, contact, "{name}");
+            assert_eq!(saved.setup.contact, scene.setup.contact, "{name}");
+            assert_eq!(saved.setup.changes.len(), 1);
+            assert_eq!(saved.description.duration_s, 77.0);
             assert_eq!(saved.setup.bodies, scene.setup.bodies);
             assert_eq!(saved.description.recording.color_by, look.color_by);
             let camera = saved.description.cameras.iter().find(|camera| camera.name == "saved").unwrap();
@@ -346,7 +323,7 @@ mod tests {
                 (camera.distance_m - 7.5).abs() < 1e-5 && (camera.yaw_rad - look.camera.yaw_rad).abs() < 1e-5
             );
             // And once more from there.
-            scene_text(&saved, &contact, &look, 0.01).unwrap();
+            scene_text(&saved, ("", 1.0), &look, 0.01).unwrap();
         }
     }
 
@@ -370,5 +347,38 @@ mod tests {
         assert!(save(&nowhere).unwrap_err().contains("does not exist"), "no folder");
         #[cfg(target_os = "linux")]
         assert!(save("/dev/full").is_err() && save("/proc").is_err());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_told_for_every_kind_of_file_and_nothing_is_left_of_it() {
+        let frame = Arc::new(Frame::default());
+        let look = Look::default();
+        let shot =
+            Shot { camera: look.camera, view: look.view(1.0), seeing: look.seeing(), size_px: [32, 32] };
+        let folder = tempfile::tempdir().unwrap();
+        let jobs = [
+            Job::Picture(frame.clone(), Box::new(shot.clone())),
+            Job::Animation(vec![frame.clone(); 3], Box::new(shot)),
+            Job::Scene("title = \"x\"".to_owned()),
+            Job::Obj(frame.clone()),
+            Job::Ply(frame),
+        ];
+        for job in jobs {
+            let path = folder.path().join(format!("mine.{}", job.ending()));
+            let is_animation = matches!(job, Job::Animation(..));
+            // What is written goes to a device that is always full: an animation straight, all else by a file beside.
+            let full = if is_animation { path.clone() } else { crate::export::partial_name(&path) };
+            if !is_animation {
+                std::fs::write(&path, "old").unwrap();
+            }
+            std::os::unix::fs::symlink("/dev/full", &full).unwrap();
+            let progress =
+                Progress { done: Arc::default(), wants_end: Arc::default(), studio: Studio::default() };
+            let told = save(&job, &path, &progress).unwrap_err();
+            assert!(told.contains("the disk is full"), "{}: {told}", job.ending());
+            assert!(full.symlink_metadata().is_err(), "{} is left", full.display());
+            assert!(is_animation || std::fs::read(&path).unwrap() == b"old");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! What the simulation thread does, without the thread: commands in, steps, snapshots out.
 
+mod hand;
 mod looking;
 mod scene_edits;
 mod timeline;
@@ -11,9 +12,10 @@ use super::recording::Recording;
 use super::snapshot::{Command, Notice, Snapshot};
 use crate::frame::Frame;
 use crate::scene::Scene;
-use crate::sim::{ContactParameters, SimError, StepReport, World};
+use crate::sim::{ContactChange, ContactParameters, SimError, StepReport, World};
+use hand::Hand;
 use std::sync::Arc;
-use timeline::{Edit, Keyframe, UndoPoint};
+use timeline::{Done, Edit, Keyframe, RedoPoint, UndoPoint, text_of};
 
 /// Steps in a row that may leave time standing before the run counts as stuck.
 const STANDING_STEPS: u32 = 1000;
@@ -56,6 +58,11 @@ pub struct Session {
     /// What was changed in the running scene, in order.
     edits: Vec<Edit>,
     undo: Vec<UndoPoint>,
+    redo: Vec<RedoPoint>,
+    /// The mouse, while it pulls at a body.
+    hand: Option<Hand>,
+    /// What earlier edits added to the scene's text that a reset kept.
+    kept_text: String,
     /// Body and element looked at closely.
     inspected: Option<(usize, u32)>,
     /// Whether frames hold what is inside the bodies.
@@ -96,6 +103,9 @@ impl Default for Session {
             moments_since_keyframe: 0,
             edits: Vec::new(),
             undo: Vec::new(),
+            redo: Vec::new(),
+            hand: None,
+            kept_text: String::new(),
             inspected: None,
             with_interior: false,
             looked: None,
@@ -121,12 +131,16 @@ impl Session {
             Command::Play => self.set_playing(true),
             Command::Pause => self.set_playing(false),
             Command::Step => self.single_step(),
-            Command::Reset { overrides } => self.reset(&overrides),
+            Command::Reset { overrides, keep } => self.reset(&overrides, keep),
             Command::SetSpeed(speed) => self.set_speed(speed),
             Command::SetContact(contact) => self.set_contact(contact),
             Command::Throw(throw) => self.throw(&throw),
             Command::Remove(body) => self.remove(body),
+            Command::Grab { element, point_m, to_m } => self.grab(element, point_m, to_m),
+            Command::Drag(to_m) => self.drag(to_m),
+            Command::LetGo => self.let_go(),
             Command::Undo => self.undo_last(),
+            Command::Redo => self.redo_last(),
             Command::PlayOnFrom { time_s, play } => self.play_on_from(time_s, play),
             Command::Inspect(element) => self.inspected = element,
             Command::SetMemoryLimit(bytes) => self.set_memory_limit(bytes),
@@ -192,10 +206,11 @@ impl Session {
         true
     }
 
-    /// The end of the scene, where playing pauses; infinite once it is reached: then playing goes on beyond.
+    /// The end of the scene, where playing pauses; infinite once it is reached, and while a body is held: then playing goes
+    /// on beyond.
     fn end_ahead_s(&self) -> f64 {
         let end_s = self.run.as_ref().map_or(f64::INFINITY, |run| run.scene.description.duration_s);
-        if is_reached(self.time_s(), end_s) { f64::INFINITY } else { end_s }
+        if self.hand.is_some() || is_reached(self.time_s(), end_s) { f64::INFINITY } else { end_s }
     }
 
     /// Simulated seconds a second: up to what the scene's recording shows at least real time, unless the user has chosen.
@@ -225,6 +240,9 @@ impl Session {
             with_interior: self.with_interior,
             looked,
             undo: self.undo.last().map(|point| point.what.clone()),
+            redo: self.redo.last().map(|point| point.what.clone()),
+            late_text: text_of(&self.edits, self.time_s(), false).into(),
+            can_repeat: !self.edits.is_empty() || !self.kept_text.is_empty(),
             is_playing: self.is_playing,
             speed: self.speed,
             real_time_factor: self.meter.factor().filter(|_| self.is_playing),
@@ -278,22 +296,29 @@ impl Session {
         *self = Self { opened, built, notices, commands_done, recording, ..Self::default() };
     }
 
-    fn reset(&mut self, overrides: &[String]) {
+    /// Back to the start. `keep`: what was done on the way comes again at its time.
+    fn reset(&mut self, overrides: &[String], keep: bool) {
+        self.let_go();
         let Some(run) = &self.run else { return };
         let base = run.base.clone();
-        let scene = match overrides {
-            [] => Ok(base.clone()),
-            _ => base.with_overrides(overrides).map(Arc::new).map_err(|error| error.to_string()),
+        let kept = match keep {
+            true => format!("{}{}", self.kept_text, text_of(&self.edits, run.world.time_s(), true)),
+            false => String::new(),
         };
-        let built = scene.and_then(|scene| {
+        let built = with_kept(&base, overrides, &kept).and_then(|scene| {
             let world = World::new(scene.setup.clone()).map_err(|error| error.to_string())?;
             Ok((scene, world))
         });
         match built {
-            Ok((scene, world)) => self.start(base, scene, world),
-            Err(reason) => self.tell(format!("the scene could not be reset: {reason}")),
+            Ok((scene, world)) => {
+                let thrown = if keep { self.thrown } else { 0 };
+                self.start(base, scene, world);
+                (self.kept_text, self.thrown) = (kept, thrown);
+            }
+            Err(reason) => return self.tell(format!("the scene could not be reset: {reason}")),
         }
-        if let Some(contact) = self.contact.clone() {
+        // Changes of contact that are kept come again by themselves.
+        if let Some(contact) = self.contact.clone().filter(|_| !keep) {
             self.set_contact(contact);
         }
     }
@@ -306,6 +331,7 @@ impl Session {
         (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
         self.standing_steps = 0;
         self.thrown = 0;
+        self.kept_text.clear();
         self.forget_recording();
         self.run_up_end_s = scene.description.recording.start_s;
         self.restart_clock();
@@ -332,15 +358,20 @@ impl Session {
         self.meter.clear();
     }
 
-    fn set_contact(&mut self, mut contact: ContactParameters) {
+    fn set_contact(&mut self, contact: ContactParameters) {
         let Some(run) = &mut self.run else { return };
-        // Exceptions of dropped bodies do not outlive these.
-        let bodies = run.world.body_count();
-        contact.pair_friction.retain(|pair| pair.bodies.iter().all(|body| *body < bodies));
-        match run.world.set_contact_parameters(contact.clone()) {
+        let ground = run.scene.description.ground.as_ref().map(|_| GROUND_BODY);
+        let then = &run.world.setup().contact;
+        let change = ContactChange::between(then, &contact, &run.body_names, ground);
+        if change.is_empty() {
+            return;
+        }
+        let done = Done::Contact(change);
+        match run.make(&done) {
             Ok(()) => {
-                self.edits.push(Edit::contact(run.world.time_s(), contact.clone()));
-                self.contact = Some(contact);
+                self.redo.clear();
+                self.edits.push(Edit { time_s: run.world.time_s(), done });
+                self.contact = Some(run.world.setup().contact.clone());
             }
             Err(error) => self.tell(format!("contact stays as it is: {error}")),
         }
@@ -357,10 +388,12 @@ impl Session {
 
     /// Takes a step of the world; `false` when the run cannot go on.
     fn take_step(&mut self, limit_s: f64) -> bool {
+        self.lead_hand();
         let Some(run) = &mut self.run else { return false };
         let before_s = run.world.time_s();
         match run.world.step(limit_s) {
             Ok(report) => {
+                run.renew_names();
                 let has_moved = run.world.time_s() > before_s;
                 self.note_step(&report, has_moved)
             }
@@ -401,6 +434,16 @@ impl Session {
         self.note_marks(sample.crack_area_m2);
         Arc::make_mut(&mut self.history).offer(row);
     }
+}
+
+/// A scene with overrides and, below, the text of what was done to it on the way.
+fn with_kept(base: &Arc<Scene>, overrides: &[String], kept: &str) -> Result<Arc<Scene>, String> {
+    let words = |error: crate::scene::SceneError| error.to_string();
+    let scene = match overrides {
+        [] => base.clone(),
+        _ => Arc::new(base.with_overrides(overrides).map_err(words)?),
+    };
+    if kept.is_empty() { Ok(scene) } else { scene.with_text(kept).map(Arc::new).map_err(words) }
 }
 
 /// The ground is the first body of a scene that has one.

@@ -7,6 +7,7 @@ use super::thrown::Throw;
 use crate::frame::Frame;
 use crate::scene::Scene;
 use crate::sim::ContactParameters;
+use glam::DVec3;
 use std::sync::Arc;
 
 use super::session::is_reached;
@@ -35,6 +36,8 @@ pub enum Command {
     Reset {
         /// Overrides.
         overrides: Vec<String>,
+        /// Whether what was thrown, taken out, pulled and changed on the way comes again at its time.
+        keep: bool,
     },
     /// Simulated seconds a second.
     SetSpeed(f64),
@@ -44,8 +47,23 @@ pub enum Command {
     Throw(Throw),
     /// Takes a body out, by its number in the frame.
     Remove(usize),
-    /// Takes the last throw or removal back: the scene stands again where it was done.
+    /// Grabs a body and pulls it after the mouse.
+    Grab {
+        /// Number of the body in the frame, and of the element in the body.
+        element: (usize, u32),
+        /// The grabbed point, m.
+        point_m: DVec3,
+        /// Where the mouse is, m.
+        to_m: DVec3,
+    },
+    /// The mouse that pulls is here now, m.
+    Drag(DVec3),
+    /// Lets go what is pulled.
+    LetGo,
+    /// Takes the last throw, removal or pull back: the scene stands again where it was done.
     Undo,
+    /// Does again what was taken back last.
+    Redo,
     /// Goes back to the recorded moment at this time, s; what came after is forgotten when time runs on.
     PlayOnFrom {
         /// s.
@@ -114,6 +132,12 @@ pub struct Snapshot {
     pub looked: Option<Looked>,
     /// What undo would take back.
     pub undo: Option<String>,
+    /// What redo would do again.
+    pub redo: Option<String>,
+    /// What changes of contact and pulls add to the scene's text.
+    pub late_text: Arc<str>,
+    /// Whether something was done on the way that a reset could keep.
+    pub can_repeat: bool,
     /// Whether time runs.
     pub is_playing: bool,
     /// Simulated seconds a second asked for.

@@ -189,6 +189,90 @@ fn play_on_from_an_earlier_moment_and_take_a_throw_back() {
     assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
 }
 
+/// Drags with a key held, in so many frames.
+fn drag_held(window: &mut Window, [from, to]: [Pos2; 2], modifiers: Modifiers, frames: u32) {
+    let button =
+        |pos, pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers };
+    window.event(Event::ModifiersChanged(modifiers));
+    window.event(Event::PointerMoved(from));
+    window.event(button(from, true));
+    window.step();
+    for frame in 1..=frames {
+        window.event(Event::PointerMoved(from + (to - from) * (frame as f32 / frames as f32)));
+        window.step();
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    window.event(button(to, false));
+    window.event(Event::ModifiersChanged(Modifiers::NONE));
+    window.step();
+}
+
+#[test]
+fn a_body_is_pulled_with_the_mouse_saved_repeated_taken_back_and_done_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    window.state_mut().save.folder = folder.path().to_str().unwrap().to_owned();
+    let app = window.state();
+    let area = app.viewport.unwrap();
+    let ball = app.snapshot.frame.bodies.last().unwrap();
+    let middle = ball.positions_m.iter().map(|p| glam::Vec3::from(*p)).sum::<glam::Vec3>();
+    let middle = middle / ball.positions_m.len() as f32;
+    let share = app.look.camera.picture_position(middle, area.width() / area.height()).unwrap();
+    let at = area.min + egui::vec2(share.x, share.y) * area.size();
+    let yaw_rad = app.look.camera.yaw_rad;
+    drag_held(&mut window, [at, at + egui::vec2(150.0, -80.0)], Modifiers::SHIFT, 40);
+    settle(&mut window);
+    press(&mut window, "Pause (space)");
+    let app = window.state();
+    assert_eq!(app.look.camera.yaw_rad, yaw_rad, "the camera turned instead");
+    assert!(app.snapshot.undo.as_ref().is_some_and(|what| what.contains("ball pulled")));
+    let moments = app.snapshot.recording.moments();
+    assert!(moments.iter().any(|moment| !moment.frame.pulls.is_empty()), "the spring is not shown");
+    assert!(app.snapshot.frame.pulls.is_empty(), "it was let go");
+
+    press(&mut window, "Scene");
+    wait(&mut window, "the scene", |app| app.saver.progress().is_none());
+    let path = folder.path().join("bounce.toml");
+    let saved = Scene::load(path.to_str().unwrap(), &[]).unwrap();
+    assert_eq!(saved.description.pulls.len(), 1);
+    let mut world = World::new(saved.setup.clone()).unwrap();
+    for moment in window.state().snapshot.recording.moments() {
+        while world.time_s() < moment.time_s {
+            world.step(moment.time_s).unwrap();
+        }
+        let frame = world.publish();
+        for (now, then) in frame.bodies.iter().zip(&moment.frame.bodies) {
+            assert_eq!(now.positions_m, then.positions_m, "{} at {}", then.name, moment.time_s);
+        }
+    }
+
+    // From the start, with the same pull; then without it.
+    press(&mut window, "Again");
+    let scene = window.state().snapshot.scene.clone().unwrap();
+    assert_eq!((window.state().snapshot.frame.time_s, scene.description.pulls.len()), (0.0, 1));
+    window.key_press(egui::Key::R);
+    settle(&mut window);
+    assert!(window.state().snapshot.scene.as_ref().unwrap().description.pulls.is_empty());
+    assert!(!window.state().snapshot.can_repeat);
+
+    // Taken back and done again by keys.
+    press(&mut window, "Ball");
+    let bodies = |window: &Window| window.state().snapshot.frame.bodies.len();
+    let with_ball = bodies(&window);
+    for (modifiers, key, count) in [
+        (Modifiers::COMMAND, egui::Key::Z, with_ball - 1),
+        (Modifiers::COMMAND | Modifiers::SHIFT, egui::Key::Z, with_ball),
+        (Modifiers::COMMAND, egui::Key::Z, with_ball - 1),
+        (Modifiers::COMMAND, egui::Key::Y, with_ball),
+    ] {
+        window.key_press_modifiers(modifiers, key);
+        settle(&mut window);
+        assert_eq!(bodies(&window), count, "{modifiers:?} {key:?}");
+    }
+}
+
 #[test]
 fn a_formula_is_told_where_it_is_wrong_while_it_is_typed() {
     let mut window = window();

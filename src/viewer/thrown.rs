@@ -6,7 +6,7 @@
 use crate::frame::Frame;
 use crate::mesh::shapes::Hammer;
 use crate::scene::{Arrival, Newcomer, Scene};
-use crate::sim::{BodyMotion, BodySetup, Material, World, WorldSetup};
+use crate::sim::{BodyMotion, BodySetup, Entrance, Material, World, WorldSetup};
 use glam::{DQuat, DVec3, EulerRot, Vec3};
 
 /// Size of a thrown hammer's length, as a share of the scene's typical body.
@@ -115,7 +115,8 @@ fn round(value: f64) -> f64 {
     (value * scale).round() / scale
 }
 
-/// The scene with the `number`-th thrown body (from 1) coming in now, and that body as built.
+/// The scene with the `number`-th thrown body (from 1) coming in now, that body as built, and what was added to the
+/// scene's text.
 ///
 /// # Errors
 /// Why it cannot be made, in words.
@@ -124,7 +125,7 @@ pub fn scene_with_throw(
     number: usize,
     scene: &Scene,
     world: &World,
-) -> Result<(Scene, BodySetup), String> {
+) -> Result<(Scene, Entrance, String), String> {
     let size_m = SIZE_SHARE * typical_size_m(world);
     let kind = throw.kind.label().to_lowercase();
     // Each falls a little differently.
@@ -146,13 +147,15 @@ pub fn scene_with_throw(
     };
     let shape = throw.kind.shape(size_m);
     let with_tool;
+    let mut tool = String::new();
     let mut scene = scene;
     if shape.is_some()
         && throw.material == TOOL
         && !scene.description.materials.iter().any(|m| m.name == TOOL)
     {
         // A material that no body is of is refused as an override, but not as text.
-        with_tool = scene.with_text(&tool_text(world.setup())).map_err(|error| error.to_string())?;
+        tool = tool_text(world.setup());
+        with_tool = scene.with_text(&tool).map_err(|error| error.to_string())?;
         scene = &with_tool;
     }
     let newcomer = match (shape, &throw.kind) {
@@ -163,7 +166,9 @@ pub fn scene_with_throw(
         },
         (None, kind) => Newcomer::CopyOf(kind.label().to_owned()),
     };
-    scene.with_arrival(&newcomer, &arrival).map_err(|error| error.to_string())
+    let (scene, entrance, text) =
+        scene.with_arrival(&newcomer, &arrival).map_err(|error| error.to_string())?;
+    Ok((scene, entrance, format!("{tool}{text}")))
 }
 
 fn free_name(stem: &str, number: usize, scene: &Scene, world: &World) -> String {

@@ -4,6 +4,7 @@ mod build;
 mod cuts;
 mod fracture;
 mod fracture_theory;
+mod pull;
 mod random;
 mod rest;
 mod rods;

@@ -7,6 +7,7 @@ use super::super::presets::PRESETS;
 use super::super::problem::suggestion;
 use super::super::tree::{Node, Origin};
 use super::is_ground;
+use crate::sim::BodyMotion;
 use std::collections::BTreeSet;
 
 /// Checks a scene whose parts have been read one by one.
@@ -18,6 +19,8 @@ pub(super) fn check(scene: &SceneDescription, root: &Node, findings: &Findings) 
     checks.neighbours_exist();
     checks.pairs_exist();
     checks.removed_bodies_exist();
+    checks.pulled_bodies_follow();
+    checks.ground_is_there();
     checks.camera_exists();
     checks.recording_fits();
 }
@@ -135,13 +138,19 @@ impl Checks<'_> {
             let bodies = self.scene.bodies.iter().map(|body| body.name.as_str());
             bodies.chain(self.scene.ground.iter().map(|_| GROUND))
         };
-        for (index, (pair, _)) in self.scene.contact.pairs.iter().enumerate() {
+        let of_change = self.scene.contact_changes.iter().enumerate().flat_map(|(change, late)| {
+            let pairs = late.change.pairs.iter().enumerate();
+            pairs.map(move |(index, (pair, _))| (format!("contact_changes[{change}].pairs[{index}]"), pair))
+        });
+        let pairs = self.scene.contact.pairs.iter().enumerate();
+        let pairs = pairs.map(|(index, (pair, _))| (format!("contact.pairs[{index}]"), pair));
+        for (path, pair) in pairs.chain(of_change) {
             for (place, name) in pair.iter().enumerate() {
                 let copy = self.scene.bodies.iter().flat_map(Body::names_of_copies);
                 if !names().any(|known| known == name) && !copy.into_iter().any(|c| c == *name) {
                     let hint = suggestion(name, names());
                     self.report(
-                        &format!("contact.pairs[{index}].bodies[{place}]"),
+                        &format!("{path}.bodies[{place}]"),
                         format!("there is no body called `{name}`{hint}"),
                     );
                 }
@@ -156,6 +165,42 @@ impl Checks<'_> {
                 let hint = suggestion(&removal.body, names.iter().map(String::as_str));
                 let message = format!("there is no body called `{}`{hint}", removal.body);
                 self.report(&format!("removals[{index}].body"), message);
+            }
+        }
+    }
+
+    /// Only bodies that are there and move by their own dynamics can be pulled.
+    fn pulled_bodies_follow(&self) {
+        let is_called = |body: &&Body, name: &str| body.names_of_copies().iter().any(|copy| copy == name);
+        for (index, pull) in self.scene.pulls.iter().enumerate().filter(|(_, pull)| !pull.body.is_empty()) {
+            let path = format!("pulls[{index}].body");
+            match self.scene.bodies.iter().find(|body| is_called(body, &pull.body)) {
+                None => {
+                    let names: Vec<String> =
+                        self.scene.bodies.iter().flat_map(Body::names_of_copies).collect();
+                    let hint = suggestion(&pull.body, names.iter().map(String::as_str));
+                    self.report(&path, format!("there is no body called `{}` that moves{hint}", pull.body));
+                }
+                Some(body) if !matches!(body.motion, BodyMotion::Deformable(_)) => {
+                    self.report(
+                        &path,
+                        format!("`{}` does not move by itself and follows no pull", pull.body),
+                    );
+                }
+                Some(body) if body.enters_s.is_some_and(|enters_s| enters_s > pull.begins_s()) => {
+                    let message = format!("`{}` is grabbed before it comes in", pull.body);
+                    self.report(&path, message);
+                }
+                Some(_) => {}
+            }
+        }
+    }
+
+    fn ground_is_there(&self) {
+        for (index, late) in self.scene.contact_changes.iter().enumerate() {
+            if !late.change.body_friction.is_empty() && self.scene.ground.is_none() {
+                let message = "there is no ground; add a `[ground]` to the scene, or name a pair in `pairs`";
+                self.report(&format!("contact_changes[{index}].ground_friction"), message.to_owned());
             }
         }
     }

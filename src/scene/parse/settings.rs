@@ -1,6 +1,6 @@
 //! Contact, time, cameras and recording.
 
-use super::super::description::{Camera, Contact, Eye, Recording, Removal};
+use super::super::description::{Camera, Contact, Eye, Recording};
 use super::super::quantity::Quantity;
 use super::super::reader::Table;
 use super::{check_name, read_friction};
@@ -20,7 +20,7 @@ pub(super) fn read_contact(mut table: Table) -> Contact {
     }
 }
 
-fn read_method(table: &mut Table) -> ContactMethod {
+pub(super) fn read_method(table: &mut Table) -> ContactMethod {
     let penalty = table.choice("method", &[("lagrange", false), ("penalty", true)]).unwrap_or(false);
     if penalty {
         table.require("penalty_stiffness", "a number (N/m), for the method \"penalty\"");
@@ -40,7 +40,7 @@ fn read_method(table: &mut Table) -> ContactMethod {
     }
 }
 
-fn read_pair(mut table: Table) -> Option<([String; 2], f64)> {
+pub(super) fn read_pair(mut table: Table) -> Option<([String; 2], f64)> {
     table.require("bodies", "the names of the two bodies, as in `bodies = [\"a\", \"b\"]`");
     let bodies = table.texts("bodies", 2, 2);
     let friction = read_friction(&mut table);
@@ -49,13 +49,6 @@ fn read_pair(mut table: Table) -> Option<([String; 2], f64)> {
     }
     let bodies = <[String; 2]>::try_from(bodies?).ok()?;
     Some((bodies, friction.unwrap_or(0.0)))
-}
-
-pub(super) fn read_removal(mut table: Table) -> Removal {
-    Removal {
-        body: table.required_text("body"),
-        at_s: table.required_number("at", Quantity::not_negative("s")),
-    }
 }
 
 /// Duration and intervals.

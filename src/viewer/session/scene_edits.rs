@@ -1,9 +1,9 @@
 //! Throwing bodies into the running scene and taking them out.
 
-use super::super::recording::MarkKind;
+use super::super::recording::{Mark, MarkKind};
 use super::super::thrown::{Throw, scene_with_throw};
 use super::timeline::{Done, Edit, UndoPoint};
-use super::{GROUND_BODY, Run, Session, names_of};
+use super::{Run, Session, names_of};
 use crate::sim::SimError;
 use std::sync::Arc;
 
@@ -14,8 +14,8 @@ impl Session {
         let weightless = run.scene.description.gravity_m_s2.length() < 1e-6;
         let what = format!("{} thrown in", throw.kind.label());
         match made {
-            Ok((scene, body)) => {
-                if self.edit(Done::Enter(Arc::new(scene), Box::new(body)), what) {
+            Ok((scene, entrance, text)) => {
+                if self.edit(Done::Enter(Arc::new(scene), Arc::new(entrance), text), what) {
                     self.thrown += 1;
                 }
             }
@@ -34,15 +34,16 @@ impl Session {
             return self.tell(format!("`{name}` stays: only the scene's bodies can be taken out."));
         }
         match run.scene.with_removal(&name, run.world.time_s()) {
-            Ok(scene) => {
-                self.edit(Done::Leave(Arc::new(scene), body), format!("{name} taken out"));
+            Ok((scene, text)) => {
+                self.edit(Done::Leave(Arc::new(scene), body, text), format!("{name} taken out"));
             }
             Err(error) => self.tell(format!("`{name}` could not be taken out: {error}")),
         }
     }
 
     /// Makes an edit and remembers how to take it back.
-    fn edit(&mut self, done: Done, what: String) -> bool {
+    pub(super) fn edit(&mut self, done: Done, what: String) -> bool {
+        self.let_go();
         // Taking it back must not cost a long way.
         self.keep_world();
         let Some(run) = &mut self.run else { return false };
@@ -51,51 +52,39 @@ impl Session {
             self.tell(format!("the scene stays as it is: {error}"));
             return false;
         }
+        self.redo.clear();
         self.undo.push(UndoPoint { what: what.clone(), time_s, edits });
         self.edits.push(Edit { time_s, done });
-        Arc::make_mut(&mut self.recording).mark(time_s, MarkKind::Edit, what);
+        let mark = Mark { time_s, kind: MarkKind::Edit, text: what, edits: self.edits.len() };
+        Arc::make_mut(&mut self.recording).mark(mark);
         true
     }
 }
 
 impl Run {
-    /// Makes an edit at the present time.
+    /// Makes an edit at the present time, after what the scene has planned for it.
     pub(super) fn make(&mut self, done: &Done) -> Result<(), SimError> {
+        self.world.catch_up()?;
         match done {
-            Done::Contact(contact) => self.world.set_contact_parameters(contact.clone())?,
-            Done::Enter(scene, body) => {
-                let index = self.world.add_body((**body).clone())?;
+            Done::Contact(change) => self.world.change_contact(change)?,
+            Done::Enter(scene, entrance, _) => {
+                self.world.enter(entrance)?;
                 self.scene = scene.clone();
-                self.body_names = names_of(&self.world);
-                self.take_ground_friction(index)?;
             }
-            Done::Leave(scene, body) => {
+            Done::Leave(scene, body, _) => {
                 self.world.remove_body(*body);
                 self.scene = scene.clone();
             }
+            Done::Pull(pull) => self.world.pull(pull)?,
         }
+        self.renew_names();
         Ok(())
     }
 
-    /// The friction that the scene has for the newcomer; that of the ground as it is on the slider.
-    fn take_ground_friction(&mut self, index: usize) -> Result<(), SimError> {
-        let mut contact = self.world.setup().contact.clone();
-        let pairs = &self.scene.setup.contact.pair_friction;
-        let own: Vec<_> = pairs.iter().filter(|pair| pair.bodies.contains(&index)).copied().collect();
-        if own.is_empty() {
-            return Ok(());
+    /// Somebody may have come in.
+    pub(super) fn renew_names(&mut self) {
+        if self.body_names.len() != self.world.body_count() {
+            self.body_names = names_of(&self.world);
         }
-        let has_ground = self.scene.description.ground.is_some();
-        let on_ground =
-            contact.pair_friction.iter().find(|pair| has_ground && pair.bodies.contains(&GROUND_BODY));
-        let now = on_ground.map(|pair| pair.friction_coefficient);
-        for mut pair in own {
-            if let Some(now) = now.filter(|_| pair.bodies.contains(&GROUND_BODY)) {
-                pair.friction_coefficient = now;
-            }
-            contact.pair_friction.retain(|known| known.bodies != pair.bodies);
-            contact.pair_friction.push(pair);
-        }
-        self.world.set_contact_parameters(contact)
     }
 }

@@ -92,7 +92,7 @@ fn playing_pauses_at_the_end_and_goes_on_beyond_when_asked_again() {
     let beyond = session.snapshot();
     assert!(beyond.is_playing && beyond.frame.time_s > snapshot.frame.time_s);
     assert_eq!(beyond.over_after_s(), None);
-    session.execute(Command::Reset { overrides: Vec::new() });
+    session.execute(Command::Reset { overrides: Vec::new(), keep: false });
     assert_eq!(session.snapshot().over_after_s(), None);
 }
 
@@ -107,7 +107,7 @@ fn pause_step_and_reset_do_what_they_say() {
     assert_eq!(session.time_s(), paused_s);
     session.execute(Command::Step);
     assert!(session.time_s() > paused_s && !session.is_playing());
-    session.execute(Command::Reset { overrides: Vec::new() });
+    session.execute(Command::Reset { overrides: Vec::new(), keep: false });
     let snapshot = session.snapshot();
     assert_eq!((snapshot.frame.time_s, snapshot.history.rows().len()), (0.0, 1));
 }
@@ -135,7 +135,7 @@ fn every_reset_gives_the_same_bytes_on_one_and_two_threads() {
         pool.install(|| {
             let mut session = opened("rods-collision-fine", &[]);
             let first = history_csv(&mut session, UNTIL_S);
-            session.execute(Command::Reset { overrides: Vec::new() });
+            session.execute(Command::Reset { overrides: Vec::new(), keep: false });
             [first, history_csv(&mut session, UNTIL_S)]
         })
     });
@@ -152,12 +152,18 @@ fn overrides_act_at_the_reset_and_on_the_scene_as_opened() {
         scene.description.materials.iter().find(|m| m.name == "head").unwrap().youngs_modulus_pa
     };
     let before = modulus(&mut session);
-    session.execute(Command::Reset { overrides: vec!["materials.head.youngs_modulus=2e6".to_owned()] });
+    session.execute(Command::Reset {
+        overrides: vec!["materials.head.youngs_modulus=2e6".to_owned()],
+        keep: false,
+    });
     assert_eq!(modulus(&mut session), 2e6);
-    session.execute(Command::Reset { overrides: vec!["materials.head.youngs_modulus=-1".to_owned()] });
+    session.execute(Command::Reset {
+        overrides: vec!["materials.head.youngs_modulus=-1".to_owned()],
+        keep: false,
+    });
     assert_eq!(modulus(&mut session), 2e6);
     assert!(session.snapshot().notice.unwrap().text.contains("youngs_modulus"));
-    session.execute(Command::Reset { overrides: Vec::new() });
+    session.execute(Command::Reset { overrides: Vec::new(), keep: false });
     assert_eq!(modulus(&mut session), before);
 }
 
@@ -167,7 +173,7 @@ fn contact_acts_at_once_and_outlives_a_reset() {
     let contact = ContactParameters { friction_coefficient: 0.9, ..session.snapshot().contact.unwrap() };
     session.execute(Command::SetContact(contact.clone()));
     assert_eq!(session.snapshot().contact.as_ref(), Some(&contact));
-    session.execute(Command::Reset { overrides: Vec::new() });
+    session.execute(Command::Reset { overrides: Vec::new(), keep: false });
     assert_eq!(session.snapshot().contact, Some(contact.clone()));
     session.execute(Command::SetContact(ContactParameters { friction_coefficient: -1.0, ..contact.clone() }));
     assert_eq!(session.snapshot().contact, Some(contact));
@@ -217,7 +223,7 @@ fn a_failed_run_keeps_its_last_frame_until_the_reset() {
     let snapshot = session.snapshot();
     assert!(!snapshot.is_playing && snapshot.run_error.is_some());
     assert_eq!(snapshot.frame.time_s, time_s);
-    session.execute(Command::Reset { overrides: Vec::new() });
+    session.execute(Command::Reset { overrides: Vec::new(), keep: false });
     session.execute(Command::Play);
     assert!(session.is_playing() && session.snapshot().run_error.is_none());
 }
@@ -313,4 +319,254 @@ fn undo_brings_back_the_moment_before_the_throw() {
     assert!(snapshot.undo.is_none() && snapshot.is_playing);
     assert!(snapshot.scene.unwrap().setup.changes.is_empty());
     assert!(snapshot.history.rows().iter().all(|row| row.time_s <= time_s));
+    assert!(snapshot.recording.marks().iter().all(|mark| !mark.text.contains("thrown")), "its mark is left");
+}
+
+/// Grabs a body by the element nearest to its middle, where it is now.
+fn grab(session: &mut Session, name: &str) -> (glam::DVec3, usize) {
+    let run = session.run.as_ref().unwrap();
+    let body = run.body_names.iter().position(|known| known == name).unwrap();
+    let nodes = run.world.positions_m(body);
+    let element = run.world.tets(body).len() as u32 / 2;
+    let corners = run.world.tets(body)[element as usize].map(|node| nodes[node as usize]);
+    let point_m = corners.iter().sum::<glam::DVec3>() * 0.25;
+    session.execute(Command::Grab { element: (body, element), point_m, to_m: point_m });
+    (point_m, body)
+}
+
+/// Loads what saving would write.
+fn saved(session: &mut Session) -> Session {
+    let seen = session.snapshot();
+    let look = super::super::look::Look::default();
+    let text = super::super::saving::scene_text(
+        &seen.scene.unwrap(),
+        (&seen.late_text, seen.frame.time_s),
+        &look,
+        seen.speed,
+    )
+    .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, &text).unwrap();
+    let again = opened(path.to_str().unwrap(), &[]);
+    assert!(again.run.is_some(), "{:?}\n{text}", again.notice);
+    again
+}
+
+/// Whether the saved scene goes through everything that was recorded, to the byte.
+fn assert_same_when_reloaded(session: &mut Session) {
+    let mut again = saved(session);
+    let world = &mut again.run.as_mut().unwrap().world;
+    for moment in session.recording.moments() {
+        while world.time_s() < moment.time_s {
+            world.step(moment.time_s).unwrap();
+        }
+        for (now, then) in seen(&world.publish()).iter().zip(&seen(&moment.frame)) {
+            assert_eq!(now, then, "at {}", moment.time_s);
+        }
+    }
+    // What was done last, when time stood.
+    world.catch_up().unwrap();
+    assert_eq!(state(&again), state(session));
+}
+
+#[test]
+fn a_pulled_body_follows_the_mouse_and_a_saved_scene_pulls_it_again() {
+    let mut session = opened("brick-pile", &["time.duration=1", "recording.slow_motion=10"]);
+    play(&mut session, 10);
+    let (from_m, body) = grab(&mut session, "top");
+    let centre = |session: &Session| session.run.as_ref().unwrap().world.body_pose(body).1;
+    let before = centre(&session);
+    for moment in 1..=12 {
+        session.execute(Command::Drag(from_m + glam::DVec3::new(0.01, 0.0, 0.015) * f64::from(moment)));
+        play(&mut session, 2);
+    }
+    assert!(centre(&session).z > before.z + 0.05, "{} {before}", centre(&session));
+    assert_eq!(session.snapshot().frame.pulls.len(), 1);
+    // Saved in the middle of it, it gives what was seen so far.
+    assert_same_when_reloaded(&mut session);
+    session.execute(Command::LetGo);
+    play(&mut session, 20);
+    let end = session.snapshot();
+    assert!(end.frame.pulls.is_empty() && end.notice.is_none(), "{:?}", end.notice);
+    assert!(end.undo.unwrap().contains("top"));
+    assert_same_when_reloaded(&mut session);
+    // Back into the middle of the pull: the same moment, and nobody pulls on from there.
+    let moments = end.recording.moments();
+    session.execute(Command::PlayOnFrom { time_s: moments[24].time_s, play: true });
+    assert_eq!(seen(&session.snapshot().frame), seen(&moments[24].frame));
+    assert!(session.snapshot().frame.pulls.is_empty());
+    play(&mut session, 5);
+    assert_same_when_reloaded(&mut session);
+}
+
+#[test]
+fn a_pull_is_taken_back_and_done_again_as_a_whole() {
+    let mut session = opened("bounce", &[]);
+    play(&mut session, 5);
+    let (before, time_s) = (state(&session), session.time_s());
+    let name = session.snapshot().body_names.last().unwrap().clone();
+    let (from_m, _) = grab(&mut session, &name);
+    // Without time it never was.
+    session.execute(Command::LetGo);
+    assert!(session.snapshot().undo.is_none() && session.edits.is_empty());
+    grab(&mut session, &name);
+    session.execute(Command::Drag(from_m + glam::DVec3::X * 0.1));
+    play(&mut session, 20);
+    session.execute(Command::LetGo);
+    play(&mut session, 5);
+    let (after, end_s) = (state(&session), session.time_s());
+    session.execute(Command::Undo);
+    assert_eq!((state(&session), session.time_s()), (before, time_s));
+    assert!(session.snapshot().redo.unwrap().contains(&name));
+    session.execute(Command::Redo);
+    let world = &mut session.run.as_mut().unwrap().world;
+    while world.time_s() < end_s {
+        world.step(end_s).unwrap();
+    }
+    assert_eq!(state(&session), after);
+}
+
+#[test]
+fn redo_throws_again_where_it_was_thrown() {
+    let mut session = opened("bounce", &[]);
+    play(&mut session, 10);
+    let first_s = session.time_s();
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    play(&mut session, 5);
+    session.execute(Command::Throw(dropped(ThrowKind::Cube)));
+    let (thrown, second_s) = (state(&session), session.time_s());
+    session.execute(Command::Undo);
+    session.execute(Command::Undo);
+    assert_eq!(session.time_s(), first_s);
+    // Time may run on meanwhile.
+    play(&mut session, 9);
+    session.execute(Command::Redo);
+    assert_eq!(session.time_s(), first_s);
+    session.execute(Command::Redo);
+    assert_eq!((state(&session), session.time_s()), (thrown, second_s));
+    assert!(session.snapshot().redo.is_none() && session.undo.len() == 2);
+    session.execute(Command::Undo);
+    session.execute(Command::Throw(dropped(ThrowKind::Hammer)));
+    assert!(session.snapshot().redo.is_none(), "another throw takes its place");
+}
+
+#[test]
+fn contact_changed_on_the_way_is_saved_with_its_times() {
+    let mut session =
+        opened("incline", &["contact.pairs=[{ bodies = [\"ramp\", \"block\"], friction = 0.5 }]"]);
+    let slide = |session: &mut Session, friction: f64| {
+        let mut contact = session.snapshot().contact.unwrap();
+        contact.friction_coefficient = friction;
+        contact.rest_speed_m_s = Some(friction * 0.01);
+        contact.pair_friction.iter_mut().for_each(|pair| pair.friction_coefficient = 0.5 * friction);
+        session.execute(Command::SetContact(contact));
+    };
+    play(&mut session, 10);
+    for friction in [0.2, 0.3, 0.05] {
+        slide(&mut session, friction);
+    }
+    play(&mut session, 10);
+    slide(&mut session, 0.9);
+    let mut contact = session.snapshot().contact.unwrap();
+    contact.rest_speed_m_s = None;
+    contact.self_collision = false;
+    session.execute(Command::SetContact(contact));
+    play(&mut session, 10);
+    let mut springs = session.snapshot().contact.unwrap();
+    springs.method = crate::sim::ContactMethod::Penalty { stiffness_n_m: 1e6 };
+    session.execute(Command::SetContact(springs));
+    play(&mut session, 5);
+    assert!(session.snapshot().notice.is_none(), "{:?}", session.snapshot().notice);
+    let text = session.snapshot().late_text.clone();
+    assert_eq!(text.matches("[[contact_changes]]").count(), 3, "{text}");
+    let mut again = saved(&mut session);
+    play(&mut again, 35);
+    assert_eq!(again.snapshot().contact, session.snapshot().contact);
+    assert_same_when_reloaded(&mut session);
+}
+
+/// A scene into which a body comes late that slides without friction on the ground.
+fn late_slider() -> (tempfile::TempDir, String) {
+    let scene = Scene::load("bounce", &[]).unwrap();
+    let material = scene.description.materials[0].name.clone();
+    let body = |name: &str, x: f64| {
+        format!(
+            "[[bodies]]\nname = \"{name}\"\nshape = {{ type = \"box\", size = [0.1, 0.1, 0.1], cells = [1, 1, 1] }}\n\
+             material = \"{material}\"\nposition = [{x}, 1.0, 0.06]\nvelocity = [1, 0, 0]\nenters = 0.02\n"
+        )
+    };
+    let text = format!(
+        "{}\n{}\n{}\n[[contact.pairs]]\nbodies = [\"late\", \"ground\"]\nfriction = 0.0\n",
+        scene.to_toml(),
+        body("late", -0.3),
+        body("later", 0.3),
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("late.toml");
+    std::fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap().to_owned();
+    (folder, path)
+}
+
+#[test]
+fn friction_of_a_late_body_stays_with_it_when_something_is_thrown_before() {
+    let (_folder, path) = late_slider();
+    let mut session = opened(&path, &[]);
+    session.execute(Command::SetSpeed(1.0));
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    play(&mut session, 4);
+    let seen = session.snapshot();
+    let number = |name: &str| seen.body_names.iter().position(|known| known == name).unwrap();
+    let thrown = seen.body_names.iter().find(|name| name.starts_with("thrown")).unwrap();
+    assert!(number(thrown) < number("late"), "{:?}", seen.body_names);
+    let pairs = seen.contact.unwrap().pair_friction;
+    let friction = |name: &str| {
+        let own = pairs.iter().find(|pair| pair.bodies == [GROUND_BODY, number(name)]);
+        own.map(|pair| pair.friction_coefficient)
+    };
+    assert_eq!(friction("late"), Some(0.0));
+    assert_ne!(friction(thrown), Some(0.0));
+    assert_ne!(friction("later"), Some(0.0));
+    // Who came in by plan can be taken out like others.
+    session.execute(Command::Remove(number("later")));
+    assert!(session.snapshot().undo.unwrap().contains("later"));
+    assert_same_when_reloaded(&mut session);
+}
+
+#[test]
+fn a_reset_drops_what_was_done_or_does_it_again() {
+    let mut session = opened("brick-pile", &["time.duration=1", "recording.slow_motion=100"]);
+    let bodies = session.snapshot().frame.bodies.len();
+    play(&mut session, 10);
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    let (from_m, _) = grab(&mut session, "top");
+    session.execute(Command::Drag(from_m + glam::DVec3::Z * 0.1));
+    play(&mut session, 10);
+    session.execute(Command::LetGo);
+    let contact = ContactParameters { friction_coefficient: 0.9, ..session.snapshot().contact.unwrap() };
+    session.execute(Command::SetContact(contact));
+    play(&mut session, 10);
+    let (end, end_s) = (state(&session), session.time_s());
+    for _ in 0..2 {
+        session.execute(Command::Reset { overrides: Vec::new(), keep: true });
+        assert_eq!(session.snapshot().frame.bodies.len(), bodies, "{:?}", session.notice);
+        let world = &mut session.run.as_mut().unwrap().world;
+        while world.time_s() < end_s {
+            world.step(end_s).unwrap();
+        }
+        assert_eq!(state(&session), end);
+    }
+    // With other values on the sliders the same is thrown.
+    let stiffer = vec!["materials.brick.density=2500".to_owned()];
+    session.execute(Command::Reset { overrides: stiffer, keep: true });
+    play(&mut session, 15);
+    assert_eq!(session.snapshot().frame.bodies.len(), bodies + 1);
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    assert!(session.snapshot().notice.is_none(), "{:?}", session.notice);
+    session.execute(Command::Reset { overrides: Vec::new(), keep: false });
+    play(&mut session, 30);
+    let plain = session.snapshot();
+    assert!(plain.frame.bodies.len() == bodies && plain.scene.unwrap().setup.changes.is_empty());
+    assert!(plain.contact.unwrap().friction_coefficient == 0.9, "contact acts on");
 }

@@ -3,10 +3,11 @@
 //! A recorded moment is only a picture. To play on from one, the last world kept before it is copied and stepped up to
 //! it, with the edits that came in between: steps end where they end, whoever looks, so this gives the same bytes.
 
-use super::super::recording::{MarkKind, Recording};
+use super::super::recording::{Mark, MarkKind, Recording};
 use super::{Run, Session};
 use crate::scene::Scene;
-use crate::sim::{BodySetup, ContactParameters, SimError, World};
+use crate::scene::{contact_change_text, pull_text};
+use crate::sim::{ContactChange, Entrance, Pull, SimError, World};
 use std::sync::Arc;
 
 /// Of so many moments one comes with a world at first.
@@ -31,11 +32,13 @@ impl Keyframe {
 /// What was done to the running scene.
 #[derive(Clone)]
 pub(super) enum Done {
-    Contact(ContactParameters),
-    /// The scene with the newcomer, and that body.
-    Enter(Arc<Scene>, Box<BodySetup>),
-    /// The scene without the body, and its number.
-    Leave(Arc<Scene>, usize),
+    Contact(ContactChange),
+    /// The scene with the newcomer, that body, and what was added to the scene's text.
+    Enter(Arc<Scene>, Arc<Entrance>, String),
+    /// The scene without the body, its number, and what was added to the scene's text.
+    Leave(Arc<Scene>, usize, String),
+    /// Grows while the mouse holds the body.
+    Pull(Pull),
 }
 
 /// An edit and its time.
@@ -46,9 +49,40 @@ pub(super) struct Edit {
 }
 
 impl Edit {
-    pub fn contact(time_s: f64, contact: ContactParameters) -> Self {
-        Self { time_s, done: Done::Contact(contact) }
+    pub fn pull(&mut self) -> Option<&mut Pull> {
+        if let Done::Pull(pull) = &mut self.done { Some(pull) } else { None }
     }
+}
+
+/// What edits add to the text of a scene; those `in_scene` add what has come into the scene of the run already.
+pub(super) fn text_of(edits: &[Edit], now_s: f64, in_scene: bool) -> String {
+    let mut text = String::new();
+    let mut add = |more: &str| {
+        text.push_str(more);
+        text.push('\n');
+    };
+    let mut contact: Option<(f64, ContactChange)> = None;
+    for edit in edits {
+        match &edit.done {
+            Done::Contact(change) => match &mut contact {
+                Some((time_s, known)) if *time_s == edit.time_s => known.merge(change.clone()),
+                _ => {
+                    let before = contact.replace((edit.time_s, change.clone()));
+                    before
+                        .into_iter()
+                        .for_each(|(time_s, change)| add(&contact_change_text(&change, time_s)));
+                }
+            },
+            Done::Enter(_, _, own) | Done::Leave(_, _, own) if in_scene => add(own),
+            Done::Pull(pull) if now_s > pull.begins_s() => {
+                // One that still pulls is seen up to now.
+                add(&pull_text(&Pull { until_s: pull.until_s.min(now_s), ..pull.clone() }));
+            }
+            Done::Enter(..) | Done::Leave(..) | Done::Pull(_) => {}
+        }
+    }
+    contact.into_iter().for_each(|(time_s, change)| add(&contact_change_text(&change, time_s)));
+    text
 }
 
 /// Where an edit can be taken back to.
@@ -58,6 +92,13 @@ pub(super) struct UndoPoint {
     pub time_s: f64,
     /// Edits before it.
     pub edits: usize,
+}
+
+/// An edit that was taken back and can be made again.
+pub(super) struct RedoPoint {
+    /// What was done, in words.
+    pub what: String,
+    edit: Edit,
 }
 
 impl Session {
@@ -129,6 +170,8 @@ impl Session {
         self.moments_since_keyframe = 0;
         self.edits.clear();
         self.undo.clear();
+        self.redo.clear();
+        self.hand = None;
         self.frame_of = None;
         self.looked = None;
         (self.contacts_marked, self.crack_area_m2, self.are_cracks_growing) = (0, 0.0, false);
@@ -153,30 +196,53 @@ impl Session {
         }
         (self.are_cracks_growing, self.crack_area_m2) = (is_growing, crack_area_m2);
         if !marks.is_empty() {
-            let recording = Arc::make_mut(&mut self.recording);
-            marks.into_iter().for_each(|(time_s, kind, text)| recording.mark(time_s, kind, text));
+            let (recording, edits) = (Arc::make_mut(&mut self.recording), self.edits.len());
+            marks
+                .into_iter()
+                .for_each(|(time_s, kind, text)| recording.mark(Mark { time_s, kind, text, edits }));
         }
     }
 
     /// Goes back to the recorded moment at a time and stands there.
     pub(super) fn play_on_from(&mut self, time_s: f64, play: bool) {
         let Some((time_s, edits)) = self.recording.at(time_s).map(|m| (m.time_s, m.edits)) else { return };
+        self.redo.clear();
         self.go_back(time_s, edits);
         self.set_playing(play);
     }
 
-    /// Takes the last throw or removal back.
+    /// Takes the last throw, removal or pull back.
     pub(super) fn undo_last(&mut self) {
+        self.let_go();
         let Some(point) = self.undo.pop() else { return };
         let was_playing = self.is_playing;
+        let edit = self.edits.get(point.edits).cloned();
         if self.go_back(point.time_s, point.edits) {
+            self.redo.extend(edit.map(|edit| RedoPoint { what: point.what.clone(), edit }));
             self.tell(format!("Taken back: {}. The scene is where it was then.", point.what));
         }
         self.set_playing(was_playing);
     }
 
-    fn go_back(&mut self, time_s: f64, edits: usize) -> bool {
-        let (run, thrown) = match self.run_at(time_s, edits) {
+    /// Makes the edit again that was taken back last, at its own time.
+    pub(super) fn redo_last(&mut self) {
+        self.let_go();
+        let Some(RedoPoint { what, edit }) = self.redo.pop() else { return };
+        let was_playing = self.is_playing;
+        let thrown = usize::from(matches!(edit.done, Done::Enter(..)));
+        if self.go_back(edit.time_s, self.edits.len()) {
+            // The edit is one of them and not another that makes them void.
+            let others = std::mem::take(&mut self.redo);
+            self.thrown += thrown * usize::from(self.edit(edit.done, what.clone()));
+            self.redo = others;
+            self.tell(format!("Done again: {what}."));
+        }
+        self.set_playing(was_playing);
+    }
+
+    pub(super) fn go_back(&mut self, time_s: f64, edits: usize) -> bool {
+        self.let_go();
+        let (mut run, thrown) = match self.run_at(time_s, edits) {
             Ok(found) => found,
             Err(error) => {
                 self.tell(format!("the moment cannot be reached again: {error}"));
@@ -184,6 +250,11 @@ impl Session {
             }
         };
         self.edits.truncate(edits);
+        // Nobody holds on from here.
+        for pull in self.edits.iter_mut().filter_map(Edit::pull).filter(|pull| pull.until_s > time_s) {
+            pull.until_s = time_s;
+            run.world.renew_pull(pull);
+        }
         self.undo.retain(|point| point.edits < edits);
         self.keyframes.retain(|keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits);
         self.keep_worlds_within(self.recording.world_limit_bytes());
@@ -210,6 +281,12 @@ impl Session {
         };
         let mut run = keyframe.run.clone();
         let mut thrown = keyframe.thrown;
+        // A world that was kept during a pull knows its path up to then.
+        let pulls = self.edits[..keyframe.edits.min(self.edits.len())].iter();
+        for pull in pulls.filter_map(|edit| if let Done::Pull(pull) = &edit.done { Some(pull) } else { None })
+        {
+            run.world.renew_pull(pull);
+        }
         for edit in &self.edits[keyframe.edits..edits.min(self.edits.len())] {
             step_to(&mut run.world, edit.time_s)?;
             thrown += usize::from(matches!(edit.done, Done::Enter(..)));

@@ -6,8 +6,9 @@ use egui::{Align2, Context, Grid, RichText, ScrollArea, Ui, Window};
 /// Height of what is around the text, points.
 const TITLE_AND_MARGINS: f32 = 90.0;
 
-const MOUSE: [(&str, &str); 7] = [
+const MOUSE: [(&str, &str); 8] = [
     ("Left drag", "turn"),
+    ("Shift and left drag on a body", "pull it by a spring"),
     ("Right or middle drag", "move"),
     ("Wheel", "come closer, go back"),
     ("Click on a body", "look closely at an element"),
@@ -35,9 +36,12 @@ pub fn show(context: &Context, is_open: &mut bool) {
 }
 
 fn content(ui: &mut Ui) {
-    table(ui, "keys", &KEYS);
-    ui.add_space(10.0);
-    table(ui, "mouse", &MOUSE);
+    // Side by side: one below the other they are higher than a small window.
+    ui.horizontal_top(|ui| {
+        table(ui, "keys", &KEYS);
+        ui.add_space(14.0);
+        table(ui, "mouse", &MOUSE);
+    });
     ui.add_space(10.0);
     ui.weak("Values with a unit can be typed: click on them and write, for example, 2.5 GPa.");
     ui.weak("Ctrl + and Ctrl - make everything larger or smaller, Ctrl 0 as usual. The panels' edges can be dragged.");

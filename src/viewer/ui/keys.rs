@@ -6,16 +6,18 @@ use crate::viewer::app::SaveKind;
 use egui::{Context, Key, Modifiers};
 
 /// The keys with what they do, for the help.
-pub const KEYS: [(&str, &str); 16] = [
+pub const KEYS: [(&str, &str); 18] = [
     ("Space", "play or pause"),
     (".", "one step"),
     ("R", "back to the start, with the values on the sliders"),
+    ("Shift R", "the same, and what was thrown, pulled and changed comes again"),
     ("F", "show everything"),
     ("1 … 9", "look from: three-quarter, front, right, back, left, top, rear, low, high"),
     ("Left, Right", "the recorded moment before, after"),
     ("End", "back to the present"),
     ("T", "throw with the mouse, or turn the camera again"),
-    ("Ctrl Z", "take the last throw or removal back"),
+    ("Ctrl Z", "take the last throw, removal or pull back"),
+    ("Ctrl Y, Ctrl Shift Z", "do it again"),
     ("Ctrl S", "save the scene"),
     ("W", "edges of the elements"),
     ("C", "cut the bodies open, or close them again"),
@@ -39,7 +41,11 @@ pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Ve
         }
     };
     if !is_gallery {
+        // The one with more keys first: the other would take it for its own.
+        on_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z, Action::Redo);
         on_with(Modifiers::COMMAND, Key::Z, Action::Undo);
+        on_with(Modifiers::COMMAND, Key::Y, Action::Redo);
+        on_with(Modifiers::SHIFT, Key::R, Action::Again);
         on_with(Modifiers::COMMAND, Key::S, Action::Save(SaveKind::Scene));
     }
     let mut on = |key: Key, action: Action| on_with(Modifiers::NONE, key, action);

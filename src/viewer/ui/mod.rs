@@ -6,6 +6,7 @@ mod contact;
 mod element;
 mod fracture;
 mod gallery;
+pub mod grab;
 mod help;
 mod icons;
 mod inspector;
@@ -30,6 +31,7 @@ use super::closer::Closer;
 use super::thrown::Throw;
 use crate::render::NamedView;
 use egui::{Panel, Ui};
+use glam::DVec3;
 
 /// Width of the panels at the sides when nobody has chosen, and the least, points.
 pub const SIDE_WIDTH: f32 = 264.0;
@@ -49,6 +51,8 @@ pub enum Action {
     Step,
     /// Back to the start, with the values on the sliders.
     Reset,
+    /// The same, and what was done on the way comes again.
+    Again,
     /// Simulated seconds a second.
     SetSpeed(f64),
     /// Throw or drop a body.
@@ -57,8 +61,24 @@ pub enum Action {
     Remove(usize),
     /// Look closely at the element of a body.
     Inspect(usize, u32),
-    /// Take the last throw or removal back.
+    /// Grab a body: number of the body in the frame and of the element in the body, the grabbed point and where the mouse
+    /// is, m.
+    Grab {
+        /// Body and element.
+        element: (usize, u32),
+        /// m.
+        point_m: DVec3,
+        /// m.
+        to_m: DVec3,
+    },
+    /// The mouse that pulls is here now, m.
+    Drag(DVec3),
+    /// Let go what is pulled.
+    LetGo,
+    /// Take the last throw, removal or pull back.
     Undo,
+    /// Do again what was taken back.
+    Redo,
     /// Dragging throws, or turns the camera.
     ToggleAim,
     /// Show the recorded moment at a time, s.

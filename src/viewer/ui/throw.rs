@@ -36,6 +36,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         }
         drop_buttons(ui, app, actions);
         undo(ui, app, actions);
+        ui.weak("Shift and drag pulls a body.");
     });
 }
 
@@ -100,12 +101,14 @@ fn drop_buttons(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
 }
 
 fn undo(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
-    if let Some(what) = &app.snapshot.undo {
-        let size = [ui.available_width(), 26.0];
-        let hint = "The scene goes back to where it stood then (Ctrl Z)";
-        let button = Button::new(format!("Undo: {what}")).truncate();
-        if ui.add_sized(size, button).on_hover_text(hint).clicked() {
-            actions.push(Action::Undo);
+    let undo =
+        (&app.snapshot.undo, "Undo", "The scene goes back to where it stood then (Ctrl Z)", Action::Undo);
+    let redo = (&app.snapshot.redo, "Redo", "Does it again, at its own time (Ctrl Y)", Action::Redo);
+    for (what, word, hint, action) in [undo, redo] {
+        let Some(what) = what else { continue };
+        let button = Button::new(format!("{word}: {what}")).truncate();
+        if ui.add_sized([ui.available_width(), 26.0], button).on_hover_text(hint).clicked() {
+            actions.push(action);
         }
     }
 }

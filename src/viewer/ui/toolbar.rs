@@ -47,9 +47,15 @@ fn scene_side(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
                 actions.push(Action::Step);
             }
         });
-        if icons::button(ui, Icon::Reset, "Back to the start, with the values on the sliders (R)").clicked() {
+        if icons::button(ui, Icon::Reset, "Back to the start, with the values on the sliders and without what was thrown (R)").clicked() {
             actions.push(Action::Reset);
         }
+        ui.add_enabled_ui(snapshot.can_repeat, |ui| {
+            let hint = "Back to the start; what was thrown, taken out, pulled and changed comes again at its time (Shift R)";
+            if ui.button("Again").on_hover_text(hint).clicked() {
+                actions.push(Action::Again);
+            }
+        });
         ui.separator();
         speed(ui, app, actions);
     });

@@ -1,7 +1,7 @@
 //! The scene itself, and the mouse over it.
 
 use super::widgets::measured;
-use super::{Action, banner, style};
+use super::{Action, banner, grab, style};
 use crate::viewer::app::App;
 use crate::viewer::orbit::MouseInput;
 use crate::viewer::pick::{Hit, pick};
@@ -20,6 +20,9 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let snapshot = app.snapshot.clone();
     app.look.settle(&snapshot, area.width() / area.height());
     let mut input = mouse_input(ui, &response);
+    if grab::drag(ui, app, area, &response, actions) {
+        input.orbit = Vec2::ZERO;
+    }
     if app.aim.is_armed {
         input.orbit = Vec2::ZERO;
         take_aim(app, area, &response, actions);
@@ -41,22 +44,29 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         banner::waiting(ui, area, "Opening the scene …");
     } else {
         draw_aim(ui, app, area);
+        grab::draw(ui, app, area);
         body_menu(ui, app, area, &response, actions);
     }
     banner::show(ui.ctx(), app, actions);
 }
 
 /// A place on the screen as a share of the picture.
-fn share(area: Rect, at: Pos2) -> Vec2 {
+pub(super) fn share(area: Rect, at: Pos2) -> Vec2 {
     Vec2::new((at.x - area.left()) / area.width(), (at.y - area.top()) / area.height())
 }
 
-fn aspect(area: Rect) -> f32 {
+pub(super) fn aspect(area: Rect) -> f32 {
     area.width() / area.height()
 }
 
-fn hit_at(app: &App, area: Rect, at: Pos2) -> Option<Hit> {
+pub(super) fn hit_at(app: &App, area: Rect, at: Pos2) -> Option<Hit> {
     pick(app.drawn(), &app.look.camera.ray_in_world(share(area, at), aspect(area)))
+}
+
+/// Where a point of the world is on the screen.
+pub(super) fn on_screen(app: &App, area: Rect, point_m: Vec3) -> Option<Pos2> {
+    let at = app.look.camera.picture_position(point_m, aspect(area))?;
+    Some(area.min + egui::vec2(at.x * area.width(), at.y * area.height()))
 }
 
 /// Dragging draws a line; letting go throws along it.
@@ -91,11 +101,8 @@ fn draw_aim(ui: &Ui, app: &App, area: Rect) {
         return;
     };
     let painter = ui.painter().with_clip_rect(area);
-    let on_screen = |point_m: &Vec3| {
-        let at = app.look.camera.picture_position(*point_m, aspect(area))?;
-        Some(area.min + egui::vec2(at.x * area.width(), at.y * area.height()))
-    };
-    let points: Vec<Pos2> = path.points_m.iter().filter_map(on_screen).collect();
+    let points: Vec<Pos2> =
+        path.points_m.iter().filter_map(|point_m| on_screen(app, area, *point_m)).collect();
     let (Some(first), Some(last)) = (points.first().copied(), points.last().copied()) else { return };
     let before = points.get(points.len().saturating_sub(2)).copied().unwrap_or(first);
     let stroke = Stroke::new(2.5, style::accent());
