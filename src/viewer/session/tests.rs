@@ -372,9 +372,10 @@ fn assert_same_when_reloaded(session: &mut Session) {
 
 #[test]
 fn a_pulled_body_follows_the_mouse_and_a_saved_scene_pulls_it_again() {
-    let mut session = opened("brick-pile", &["time.duration=1", "recording.slow_motion=10"]);
+    let mut session =
+        opened("hammer-ground", &["time.duration=1", "recording.start=0", "recording.slow_motion=4"]);
     play(&mut session, 10);
-    let (from_m, body) = grab(&mut session, "top");
+    let (from_m, body) = grab(&mut session, "hammer");
     let centre = |session: &Session| session.run.as_ref().unwrap().world.body_pose(body).1;
     let before = centre(&session);
     for moment in 1..=12 {
@@ -389,7 +390,7 @@ fn a_pulled_body_follows_the_mouse_and_a_saved_scene_pulls_it_again() {
     play(&mut session, 20);
     let end = session.snapshot();
     assert!(end.frame.pulls.is_empty() && end.notice.is_none(), "{:?}", end.notice);
-    assert!(end.undo.unwrap().contains("top"));
+    assert!(end.undo.unwrap().contains("hammer"));
     assert_same_when_reloaded(&mut session);
     // Back into the middle of the pull: the same moment, and nobody pulls on from there.
     let moments = end.recording.moments();
