@@ -7,7 +7,7 @@ use super::console::Console;
 use super::failure::Failure;
 use crate::export::summary::{PROGRAM, SUMMARY_FILE};
 use crate::export::vtu::{COLLECTION_FILE, FRAME_FOLDER};
-use crate::export::{PARTIAL, create_folder};
+use crate::export::{PARTIAL, create_folder, partial_name};
 use crate::io_reason::io_reason;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +36,7 @@ fn earlier_files(folder: &Path) -> Vec<PathBuf> {
     [HISTORY_FILE, SUMMARY_FILE, COLLECTION_FILE]
         .into_iter()
         .map(|name| folder.join(name))
+        .flat_map(|path| [partial_name(&path), path])
         .filter(|path| path.exists())
         .chain(numbered_files(&folder.join(FRAME_FOLDER), "frame-", ".vtu"))
         .collect()
@@ -105,7 +106,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::create_dir(at(FRAME_FOLDER)).unwrap();
-        let ours = [HISTORY_FILE, COLLECTION_FILE, "frames/frame-000003.vtu"];
+        let ours = [
+            HISTORY_FILE,
+            COLLECTION_FILE,
+            "run.pvd.partial",
+            "frames/frame-000003.vtu",
+            "frames/frame-000004.vtu.partial",
+        ];
         let others = ["notes.txt", "frames/frame-x.vtu", "frames/mine.vtu"];
         for name in ours.iter().chain(&others) {
             std::fs::write(at(name), "").unwrap();

@@ -129,8 +129,11 @@ impl World {
     }
 
     /// Node positions and velocities of bodies in free travel are only written when somebody looks: at the limit of a
-    /// step, or here in between.
+    /// step, or here in between. At the start they are where they were put.
     pub fn place_free_bodies(&mut self) {
+        if self.time_s == 0.0 {
+            return;
+        }
         for body in &mut self.bodies {
             if let Regime::Free(motion) = body.regime {
                 body.take_rigid_state(&motion);
