@@ -174,8 +174,15 @@ fn draw_caption(painter: &Painter, area: Rect, lines: &[String], theme: &Theme) 
 
 fn draw_legend(painter: &Painter, area: Rect, color_by: ColorBy, range: Range, theme: &Theme) {
     let size = f64::from(range.low.abs().max(range.high.abs()));
-    let (factor, prefix) = si_prefix(size);
-    let title = format!("{}  [{prefix}{}]", color_by.label(), color_by.unit());
+    // What has no unit has no prefix either: a failure index of 0.2 is not 200 thousandths.
+    let (factor, unit) = match color_by.unit() {
+        "" => (1.0, String::new()),
+        unit => {
+            let (factor, prefix) = si_prefix(size);
+            (factor, format!("  [{prefix}{unit}]"))
+        }
+    };
+    let title = format!("{}{unit}", color_by.label());
     let corner = area.right_top() + vec2(-MARGIN, MARGIN);
     let font = FontId::proportional(TITLE_SIZE);
     let drawn = painter.text(corner, Align2::RIGHT_TOP, title, font, rgb(theme.text_srgb));
