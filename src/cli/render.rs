@@ -75,7 +75,7 @@ pub struct RenderArgs {
     /// A view of the scene, or: three-quarter, front, right, back, left, top, rear-quarter, low, high
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Colour by: material, body, speed, displacement, von-mises, max-principal, min-principal, mean-stress
+    /// Colour by: material, body, fragment, speed, displacement, von-mises, max-principal, min-principal, mean-stress, failure-index
     #[arg(long, value_name = "FIELD", value_parser = parse_color_by)]
     pub color_by: Option<ColorBy>,
     /// Ends of the colour map in the field's unit, for example 0..2MPa; by default all of the values

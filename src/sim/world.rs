@@ -64,12 +64,17 @@ impl SimError {
 }
 
 /// Stress of one element.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElementStress {
     /// Cauchy stress, Pa, tension positive, world axes.
     pub cauchy_pa: DMat3,
     /// Principal stresses, Pa, largest first.
     pub principal_pa: DVec3,
+}
+
+impl ElementStress {
+    /// Of what is not strained. The default of a matrix would be the identity.
+    pub const NONE: Self = Self { cauchy_pa: DMat3::ZERO, principal_pa: DVec3::ZERO };
 }
 
 /// The first touch of free bodies, looked up in advance.
@@ -449,7 +454,7 @@ impl World {
                 let cauchy = e.elements.cauchy_stresses_pa(&body.position_m, body.element_kinematics());
                 cauchy.into_iter().map(element_stress).collect()
             }
-            _ => vec![ElementStress::default(); body.tets.len()],
+            _ => vec![ElementStress::NONE; body.tets.len()],
         }
     }
 

@@ -5,14 +5,12 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The frame with every fragment moved away from the middle of all, by `share` of its distance from it.
+/// The frame with every fragment of a broken body moved away from the middle of its fragments, by `share` of its distance from it.
 #[must_use]
 pub fn exploded(frame: &Frame, share: f32) -> Frame {
     let mut moved = frame.clone();
-    let Some((low, high)) = frame.bounds_m() else { return moved };
-    let middle = (Vec3::from(low) + Vec3::from(high)) * 0.5;
     for body in moved.bodies.iter_mut().filter(|body| body.role == BodyRole::Deformable) {
-        explode(body, middle, share);
+        explode(body, share);
     }
     // Marks of contacts and pulls would hang in the air.
     moved.contacts.clear();
@@ -20,7 +18,7 @@ pub fn exploded(frame: &Frame, share: f32) -> Frame {
     moved
 }
 
-fn explode(body: &mut BodyFrame, middle: Vec3, share: f32) {
+fn explode(body: &mut BodyFrame, share: f32) {
     let surface = body.surface.clone();
     let mut fragment_of = vec![None; body.positions_m.len()];
     let mut sums: BTreeMap<u32, (Vec3, f32)> = BTreeMap::new();
@@ -34,6 +32,10 @@ fn explode(body: &mut BodyFrame, middle: Vec3, share: f32) {
             *count += 1.0;
         }
     }
+    if sums.len() < 2 {
+        return;
+    }
+    let middle = sums.values().map(|(sum, count)| *sum / *count).sum::<Vec3>() / sums.len() as f32;
     let away = |fragment: Option<u32>| {
         let (sum, count) = fragment.and_then(|fragment| sums.get(&fragment))?;
         let away = (*sum / *count - middle) * share;

@@ -58,6 +58,7 @@ impl Look {
         }
         self.forget_range();
         self.typed_range = TypedRange::default();
+        self.explode = 0.0;
         self.closer.open(&snapshot.frame);
         self.wants_opening_camera = true;
     }

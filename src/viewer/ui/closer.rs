@@ -46,12 +46,18 @@ fn plane(ui: &mut Ui, closer: &mut Closer) {
     }
     let [low, high] = closer.span_m();
     row(ui, "Place", |ui| {
-        ui.spacing_mut().slider_width = (ui.available_width() - 76.0).max(40.0);
-        let slider = Slider::new(&mut closer.position_m, low..=high)
-            .smart_aim(false)
+        // The value keeps its width whatever it is: a row that grows would push the panel's edge.
+        let value_size = egui::vec2(88.0, ui.spacing().interact_size.y);
+        let hint = "Where the plane is along its direction";
+        ui.spacing_mut().slider_width = (ui.available_width() - value_size.x - 8.0).max(30.0);
+        let slider = Slider::new(&mut closer.position_m, low..=high).smart_aim(false).show_value(false);
+        ui.add(slider).on_hover_text(hint);
+        let value = DragValue::new(&mut closer.position_m)
+            .range(low..=high)
+            .speed(0.002 * f64::from(high - low))
             .custom_formatter(|value, _| measured(value, "m"))
             .custom_parser(|text| parse_with_unit(text, "m"));
-        ui.add(slider).on_hover_text("Where the plane is along its direction");
+        ui.add_sized(value_size, value).on_hover_text(hint);
     });
     ui.checkbox(&mut closer.is_flipped, "Leave out the other side");
 }

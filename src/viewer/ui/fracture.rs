@@ -96,7 +96,9 @@ fn with_friction(ui: &mut Ui, edit: &mut CriterionEdit) {
 /// The formula, and below it what is wrong and where, while it is typed.
 fn formula(ui: &mut Ui, edit: &mut CriterionEdit) {
     let hint = "In s1, s2, s3, I1, J2, J3 with + - * / ^, sqrt, abs, min, max; stresses in Pa: 10*MPa";
-    let text = TextEdit::singleline(&mut edit.formula).code_editor().desired_width(f32::INFINITY);
+    // A name of its own: what appears above it while it is typed must not take the keyboard away.
+    let text =
+        TextEdit::singleline(&mut edit.formula).id_salt("formula").code_editor().desired_width(f32::INFINITY);
     ui.add(text).on_hover_text(hint);
     let Some(error) = edit.formula_error() else { return };
     let (_, color) = style::error_colors(ui.visuals().dark_mode);

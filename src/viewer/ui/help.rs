@@ -3,6 +3,8 @@
 use super::keys::KEYS;
 use egui::{Align2, Context, Grid, RichText, ScrollArea, Ui, Window};
 
+/// Width of the window from which both tables stand side by side, points.
+const WIDE: f32 = 1000.0;
 /// Height of what is around the text, points.
 const TITLE_AND_MARGINS: f32 = 90.0;
 
@@ -31,17 +33,23 @@ pub fn show(context: &Context, is_open: &mut bool) {
         .show(context, |ui| {
             // A small window scrolls it.
             let most = (context.content_rect().height() - TITLE_AND_MARGINS).max(80.0);
-            ScrollArea::vertical().max_height(most).show(ui, content);
+            ScrollArea::vertical().max_height(most).min_scrolled_height(most).show(ui, content);
         });
 }
 
 fn content(ui: &mut Ui) {
-    // Side by side: one below the other they are higher than a small window.
-    ui.horizontal_top(|ui| {
+    // Side by side where there is room: one below the other they are higher than most windows.
+    if ui.content_rect().width() > WIDE {
+        ui.horizontal_top(|ui| {
+            table(ui, "keys", &KEYS);
+            ui.add_space(14.0);
+            table(ui, "mouse", &MOUSE);
+        });
+    } else {
         table(ui, "keys", &KEYS);
-        ui.add_space(14.0);
+        ui.add_space(10.0);
         table(ui, "mouse", &MOUSE);
-    });
+    }
     ui.add_space(10.0);
     ui.weak("Values with a unit can be typed: click on them and write, for example, 2.5 GPa.");
     ui.weak("Ctrl + and Ctrl - make everything larger or smaller, Ctrl 0 as usual. The panels' edges can be dragged.");

@@ -30,7 +30,7 @@ use super::app::{App, SaveKind};
 use super::closer::Closer;
 use super::thrown::Throw;
 use crate::render::NamedView;
-use egui::{Panel, Ui};
+use egui::{Panel, Ui, UiBuilder};
 use glam::DVec3;
 
 /// Width of the panels at the sides when nobody has chosen, and the least, points.
@@ -161,8 +161,11 @@ fn show_scene(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(ui, app, actions));
 }
 
-/// A panel keeps its width whatever is in it: an empty one would shrink for good.
+/// A panel keeps its width whatever is in it: an empty one would shrink for good, and one with too wide a row grow.
 fn filled(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    ui.set_min_width(ui.available_width());
-    content(ui);
+    let room = ui.available_rect_before_wrap();
+    let mut inside = ui.new_child(UiBuilder::new().max_rect(room));
+    inside.set_clip_rect(room.expand(4.0).intersect(ui.clip_rect()));
+    content(&mut inside);
+    ui.advance_cursor_after_rect(room);
 }
