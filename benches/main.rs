@@ -28,7 +28,8 @@ criterion_group!(
 fn main() {
     let is_asked = |word: &str| std::env::args().any(|argument| argument == word);
     let update = is_asked("--update-table");
-    if !(update || is_asked("--table")) {
+    let is_asked_for_table = update || is_asked("--table");
+    if !is_asked_for_table {
         benches();
         Criterion::default().configure_from_args().final_summary();
     }
@@ -37,6 +38,7 @@ fn main() {
     }
     if let Err(reason) = table::print(update) {
         eprintln!("no table: {reason}");
-        std::process::exit(1);
+        // A part can be measured without one.
+        std::process::exit(i32::from(is_asked_for_table));
     }
 }

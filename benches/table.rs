@@ -71,7 +71,10 @@ impl Measured {
             files.iter().filter_map(|path| read_result(path)).collect();
         let calibration = results.iter().find(|(_, id, _)| id["group_id"] == CALIBRATION);
         let Some((since, _, calibration_ns)) = calibration else {
-            return Err(format!("no results in {}; run `cargo bench` first", folder.display()));
+            return Err(format!(
+                "no calibration loop among the results in {}; run the whole of `cargo bench` once",
+                folder.display()
+            ));
         };
         let mut rows: BTreeMap<String, Row> = BTreeMap::new();
         for (at, id, time_ns) in &results {
