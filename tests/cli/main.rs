@@ -129,6 +129,14 @@ fn array(attributes: &[Attribute], name: &str) -> Vec<f64> {
     }
 }
 
+/// Pictures in a GIF; all of it must be readable.
+fn pictures_of_gif(path: &Path) -> Vec<image::Frame> {
+    use image::AnimationDecoder;
+    let file = std::io::BufReader::new(fs::File::open(path).unwrap());
+    let gif = image::codecs::gif::GifDecoder::new(file).unwrap();
+    gif.into_frames().collect_frames().unwrap()
+}
+
 fn leftovers(folder: &Path) -> bool {
     fs::read_dir(folder).unwrap().flatten().any(|entry| {
         let path = entry.path();

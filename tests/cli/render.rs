@@ -1,6 +1,6 @@
 //! `hammerfall render`: pictures that others can read.
 
-use crate::{Place, leftovers, send, stderr, wait, wait_for};
+use crate::{Place, leftovers, pictures_of_gif, send, stderr, wait, wait_for};
 use std::fs;
 use std::process::Stdio;
 
@@ -17,13 +17,10 @@ fn a_moment_is_rendered_to_a_png() {
 
 #[test]
 fn an_animation_is_rendered_to_a_gif_and_to_a_folder() {
-    use image::AnimationDecoder;
     let place = Place::new();
     // 0.12 s at 20 pictures a second, five times slower: one every 10 ms, both ends included.
     place.succeed("render cubes.toml -o fall.gif --slow-motion 5 --size 64x48 --camera front");
-    let file = std::io::BufReader::new(fs::File::open(place.path().join("fall.gif")).unwrap());
-    let gif = image::codecs::gif::GifDecoder::new(file).unwrap();
-    let frames = gif.into_frames().collect_frames().unwrap();
+    let frames = pictures_of_gif(&place.path().join("fall.gif"));
     assert_eq!(frames.len(), 13);
     assert!(frames.iter().all(|frame| frame.buffer().dimensions() == (64, 48)));
 
@@ -38,7 +35,6 @@ fn an_animation_is_rendered_to_a_gif_and_to_a_folder() {
 #[test]
 #[cfg(unix)]
 fn ctrl_c_closes_the_gif() {
-    use image::AnimationDecoder;
     let place = Place::new();
     let child = place
         .command("render cubes.toml -o long.gif --duration 10 --slow-motion 20 --size 64x48")
@@ -49,9 +45,7 @@ fn ctrl_c_closes_the_gif() {
     send("INT", &child);
     let output = wait(child);
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
-    let file = std::io::BufReader::new(fs::File::open(place.path().join("long.gif")).unwrap());
-    let gif = image::codecs::gif::GifDecoder::new(file).unwrap();
-    assert!(!gif.into_frames().collect_frames().unwrap().is_empty());
+    assert!(!pictures_of_gif(&place.path().join("long.gif")).is_empty());
 }
 
 #[test]
