@@ -9,6 +9,7 @@
 mod entries;
 mod fuzzing;
 
+use fuzzing::Random;
 use hammerfall::mesh::MeshReport;
 use hammerfall::mesh::import::{ImportError, ImportOptions, ImportedMesh, Problem, read_mesh};
 use std::io::Write as _;
@@ -265,18 +266,6 @@ fn regions_come_from_physical_names_tags_and_materials() {
     assert_eq!(regions("tet/cylinder_in_box.mesh").len(), 2);
     assert_eq!(regions("tet/cube_sphere.mesh").len(), 2);
     assert!(regions("tet/piezo_mesh_micro.vtk").len() > 1);
-}
-
-/// Small xorshift generator: the same sequence on every machine.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        usize::try_from(self.0 % limit as u64).expect("below a usize")
-    }
 }
 
 /// Files cut off or with broken bytes: an error or a sound mesh, never a panic.

@@ -15,7 +15,9 @@ pub fn run(corpus: &str, rounds: u64, entry: fn(&[u8])) {
     for (path, data) in paths.iter().zip(&files) {
         feed(entry, data, &path.display().to_string());
     }
-    let asked = std::env::var("HAMMERFALL_FUZZ_ROUNDS").ok().and_then(|text| text.parse().ok());
+    let asked = std::env::var("HAMMERFALL_FUZZ_ROUNDS")
+        .ok()
+        .map(|text| text.parse().expect("HAMMERFALL_FUZZ_ROUNDS is a whole number"));
     for round in 0..asked.unwrap_or(rounds) {
         let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ (round + 1).wrapping_mul(0xd129_0d3f_58f1_e1a5));
         feed(entry, &mutated(&files, &mut random), &format!("round {round} of {corpus}"));
@@ -33,11 +35,11 @@ fn feed(entry: fn(&[u8]), data: &[u8], name: &str) {
     }
 }
 
-/// Xorshift: the same sequence on every machine.
-struct Random(u64);
+/// Xorshift: the same sequence on every machine. The seed must not be zero.
+pub struct Random(pub u64);
 
 impl Random {
-    fn below(&mut self, limit: usize) -> usize {
+    pub fn below(&mut self, limit: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;

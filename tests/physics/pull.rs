@@ -138,7 +138,7 @@ fn torn_rod() -> World {
         [time]
         duration = 1
         "#;
-    World::new(Scene::from_text("torn", text, Path::new("."), &[]).unwrap().setup.clone()).unwrap()
+    World::new(Scene::from_text("torn", text, Path::new("."), &[]).unwrap().setup).unwrap()
 }
 
 #[test]

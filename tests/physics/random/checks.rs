@@ -175,7 +175,7 @@ impl Laws {
         self.found.new_fragments = world.sample().fragments.saturating_sub(self.start.fragments);
         let entered = |name: &str| {
             let changes = world.setup().changes.iter();
-            changes.filter(|c| matches!(&c.change, Change::Enter(body) if body.body.name == name)).count() > 0
+            changes.clone().any(|c| matches!(&c.change, Change::Enter(body) if body.body.name == name))
         };
         let setups = world.setup().bodies.iter().enumerate();
         for (body, setup) in setups.filter(|(body, setup)| !world.is_removed(*body) && !entered(&setup.name))

@@ -1,4 +1,5 @@
-//! Scenes at random, as the text of a scene file: everything that a scene can say comes up.
+//! Scenes at random, as the text of a scene file: every shape, material, criterion and contact method, boundaries, motions,
+//! entrances and removals come up; pulls, changes of contact and the laws for large strain do not.
 //!
 //! Speeds and strengths follow from the materials, so that bodies deform by percents: what is faster or heavier crushes them,
 //! which no elastic law describes.
