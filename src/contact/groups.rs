@@ -6,7 +6,7 @@
 
 use super::nodes::ContactNode;
 use super::passes::PairRow;
-use super::response::ResponseReport;
+use super::response::Settling;
 use crate::math::DisjointSets;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -28,8 +28,8 @@ struct Group<'a> {
 pub(super) fn solve_by_group(
     rows: &mut [PairRow],
     nodes: &mut [ContactNode],
-    solve: impl Fn(&mut [PairRow], &mut [ContactNode]) -> ResponseReport + Sync,
-) -> ResponseReport {
+    solve: impl Fn(&mut [PairRow], &mut [ContactNode]) -> Settling + Sync,
+) -> Settling {
     let sizes = sort_by_group(rows, nodes);
     if sizes.len() <= 1 {
         return solve(rows, nodes);
@@ -37,44 +37,39 @@ pub(super) fn solve_by_group(
     let is_parallel = rows.len() >= PARALLEL_PAIRS && rayon::current_num_threads() > 1;
     let mut groups = split(rows, nodes, &sizes);
     let of_group = |group: &mut Group| solve(group.rows, &mut group.nodes);
-    let reports: Vec<ResponseReport> = if is_parallel {
+    let settled: Vec<Settling> = if is_parallel {
         groups.par_iter_mut().with_max_len(1).map(of_group).collect()
     } else {
         groups.iter_mut().map(of_group).collect()
     };
     groups.into_iter().for_each(|group| group.give_back(nodes));
-    reports.into_iter().fold(ResponseReport::default(), |sum, of_group| ResponseReport {
-        passes: sum.passes.max(of_group.passes),
-        last_change: sum.last_change.max(of_group.last_change),
-        ..sum
-    })
+    let mut worst = Settling::default();
+    settled.iter().for_each(|of_group| worst.include(of_group));
+    worst
 }
 
 /// Brings the rows of each group together and returns how many each group has.
 fn sort_by_group(rows: &mut [PairRow], nodes: &[ContactNode]) -> Vec<usize> {
     let moves = |node: &u32| nodes[*node as usize].inverse_mass_per_kg != DVec3::ZERO;
+    // A pair without a node that moves has no row.
+    let first_mover = |row: &PairRow| row.at.nodes.into_iter().find(moves).unwrap_or(row.at.nodes[0]);
     let mut sets = DisjointSets::new(nodes.len());
     for row in rows.iter() {
-        let mut movers = row.at.nodes.iter().filter(|node| moves(node));
-        if let Some(first) = movers.next() {
-            movers.for_each(|node| sets.join(*first, *node));
-        }
+        let first = first_mover(row);
+        row.at.nodes.iter().filter(|node| moves(node)).for_each(|node| sets.join(first, *node));
     }
     let mut group_of_root = vec![NONE; nodes.len()];
     let mut sizes = Vec::new();
-    for row in rows.iter_mut() {
-        // A pair without a node that moves has no row.
-        let mover = row.at.nodes.into_iter().find(|node| moves(node)).unwrap_or(row.at.nodes[0]);
-        let group = &mut group_of_root[sets.root(mover) as usize];
+    for row in rows.iter() {
+        let group = &mut group_of_root[sets.root(first_mover(row)) as usize];
         if *group == NONE {
             *group = sizes.len() as u32;
             sizes.push(0);
         }
-        row.group = *group;
         sizes[*group as usize] += 1;
     }
     if sizes.len() > 1 {
-        rows.sort_by_key(|row| row.group);
+        rows.sort_by_cached_key(|row| group_of_root[sets.root(first_mover(row)) as usize]);
     }
     sizes
 }

@@ -29,5 +29,5 @@ pub use collision_list::CollisionList;
 pub use constraint::Constraint;
 pub use detect::{BodyView, Near, PairDepths, PairView, ThrownNodes};
 pub use own::OwnFeatures;
-pub use response::CHANGES_KEPT;
+pub use response::{CHANGES_KEPT, Settling};
 pub use surface::{ContactSurface, CrackSide};

@@ -6,7 +6,7 @@
 
 use super::constraint::Constraint;
 use super::nodes::{ContactNode, NodeTable, Weighted};
-use super::response::{ResponseParameters, ResponseReport};
+use super::response::{ResponseParameters, Settling};
 use glam::DVec3;
 
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
@@ -36,28 +36,28 @@ pub(super) fn settle(
     rows: &mut [PairRow],
     nodes: &mut [ContactNode],
     (p, most_passes): (&ResponseParameters, u32),
-) -> ResponseReport {
-    let mut report = ResponseReport::default();
+) -> Settling {
+    let mut settling = Settling::default();
     let mut memory = Anderson::default();
     let is_own = rows.iter().any(PairRow::is_own);
     let patience = if is_own { OWN_PATIENCE } else { PATIENCE };
     let mut progress = Progress::default();
     loop {
         let pass = Pass::over(rows, nodes);
-        report.last_change = pass.relative_change();
-        if let Some(change) = report.changes.get_mut(report.passes as usize) {
-            *change = report.last_change;
+        settling.last_change = pass.relative_change();
+        if let Some(change) = settling.changes.get_mut(settling.passes as usize) {
+            *change = settling.last_change;
         }
-        report.passes += 1;
-        let is_settled = report.last_change < p.tolerance;
-        let is_time = is_settled || report.passes >= p.passes * patience;
+        settling.passes += 1;
+        let is_settled = settling.last_change < p.tolerance;
+        let is_time = is_settled || settling.passes >= p.passes * patience;
         let is_done = is_time && {
             let excess = excess_depth(rows, nodes, (p.step_s, is_own));
-            report.last_change < 1e-12 || excess <= 0.0 || progress.has_stalled(excess, is_own)
+            settling.last_change < 1e-12 || excess <= 0.0 || progress.has_stalled(excess, is_own)
         };
         // The last word has a plain pass, in which every pair obeys its law.
-        if is_done || report.passes >= most_passes {
-            return report;
+        if is_done || settling.passes >= most_passes {
+            return settling;
         }
         memory.accelerate(rows, nodes, pass);
     }
@@ -205,8 +205,6 @@ fn excess_depth(rows: &[PairRow], nodes: &[ContactNode], (step_s, is_own): (f64,
 pub(super) struct PairRow {
     /// Number of the constraint.
     pub index: usize,
-    /// Number of the group of pairs that act on each other (`groups.rs`).
-    pub group: u32,
     pub at: Weighted,
     pub normal: DVec3,
     /// Impulse on the first body, N s.
@@ -233,7 +231,6 @@ impl PairRow {
         let is_own = c.is_own();
         (normal_block_per_kg > LEAST_BLOCK * block.max_element()).then(|| Self {
             index,
-            group: 0,
             at,
             normal: c.normal,
             impulse_n_s: c.impulse_n_s,

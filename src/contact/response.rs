@@ -52,9 +52,9 @@ pub struct ResponseParameters {
 /// Passes whose changes are reported one by one.
 pub const CHANGES_KEPT: usize = 12;
 
-/// What the response did.
+/// How the multipliers settled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ResponseReport {
+pub struct Settling {
     /// Passes taken to solve the group of pairs that needed most; where some of them opened with a blow and all were
     /// solved again, the larger number.
     pub passes: u32,
@@ -63,6 +63,24 @@ pub struct ResponseReport {
     pub last_change: f64,
     /// The same after each of the first passes; 0 after the last.
     pub changes: [f64; CHANGES_KEPT],
+}
+
+impl Settling {
+    /// Takes over what settled worse elsewhere, value by value.
+    pub fn include(&mut self, other: &Self) {
+        self.passes = self.passes.max(other.passes);
+        self.last_change = self.last_change.max(other.last_change);
+        for (worst, change) in self.changes.iter_mut().zip(other.changes) {
+            *worst = worst.max(change);
+        }
+    }
+}
+
+/// What the response did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ResponseReport {
+    /// How the passes went, of the worst group of pairs.
+    pub settling: Settling,
     /// Energy taken from the nodes by friction and impact, J.
     pub dissipated_j: f64,
     /// Work done by nodes whose motion is prescribed, J.
@@ -90,7 +108,7 @@ pub fn solve(
     let mut rows: Vec<PairRow> =
         constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
     let stored_before_j = stored_j(constraints);
-    let mut report = solve_by_group(&mut rows, &mut table.nodes, |rows, nodes| {
+    let mut settling = solve_by_group(&mut rows, &mut table.nodes, |rows, nodes| {
         start(rows, nodes);
         settle(rows, nodes, (p, MOST_PASSES))
     });
@@ -98,7 +116,7 @@ pub fn solve(
     if let Some(blow) =
         p.conserve_impact_energy.then(|| deal_blows(&mut rows, constraints, table, p)).flatten()
     {
-        report.passes = report.passes.max(blow.passes);
+        settling.passes = settling.passes.max(blow.passes);
     }
     for row in &rows {
         free_of_moment(row, &constraints[row.index], &mut table.nodes);
@@ -106,8 +124,8 @@ pub fn solve(
     if p.conserve_impact_energy {
         store_impacts(&rows, constraints, table, (stored_before_j, p.rest_speed_m_s));
     }
-    (report.dissipated_j, report.prescribed_work_j) = table.balances(constraints);
-    report
+    let (dissipated_j, prescribed_work_j) = table.balances(constraints);
+    ResponseReport { settling, dissipated_j, prescribed_work_j }
 }
 
 /// A constraint without a row cannot be opened: it has no impulse.
@@ -136,7 +154,7 @@ fn deal_blows(
     constraints: &mut [Constraint],
     table: &mut NodeTable,
     p: &ResponseParameters,
-) -> Option<ResponseReport> {
+) -> Option<Settling> {
     let aimed = aim_blows(rows, constraints, table);
     if aimed.is_empty() {
         return None;
@@ -144,7 +162,7 @@ fn deal_blows(
     let before_m_s: Vec<DVec3> = table.nodes.iter().map(|node| node.velocity_m_s).collect();
     let impulses: Vec<DVec3> = rows.iter().map(|row| row.impulse_n_s).collect();
     // A blow is cut to its energy anyway: the usual passes are enough.
-    let report = solve_by_group(rows, &mut table.nodes, |rows, nodes| settle(rows, nodes, (p, p.passes)));
+    let settling = solve_by_group(rows, &mut table.nodes, |rows, nodes| settle(rows, nodes, (p, p.passes)));
     let spent_j = aimed.iter().map(|i| constraints[*i].stored.energy_j).sum();
     let (mut work_j, mut square_j) = (0.0, 0.0);
     let predicted_m_s = table.predicted_m_s();
@@ -170,7 +188,7 @@ fn deal_blows(
         node.velocity_m_s = before.lerp(node.velocity_m_s, share);
     }
     write_impulses(rows, constraints);
-    (share > 0.0).then_some(report)
+    (share > 0.0).then_some(settling)
 }
 
 fn stored_j(constraints: &[Constraint]) -> f64 {
@@ -259,7 +277,8 @@ pub fn apply_penalty(
         table.weighted(row, c.moment_free_weights()).apply(&mut table.nodes, c.impulse_n_s);
     }
     let (dissipated_j, prescribed_work_j) = table.balances(constraints);
-    ResponseReport { passes: 1, dissipated_j, prescribed_work_j, ..ResponseReport::default() }
+    let settling = Settling { passes: 1, ..Settling::default() };
+    ResponseReport { settling, dissipated_j, prescribed_work_j }
 }
 
 /// Energy in the penalty springs at the start of the step, J.
@@ -408,7 +427,7 @@ mod tests {
         let (expected, _) = run(&mut once, DVec3::new(0.1, 0.2, -1.0), 0.25, true);
         let mut thrice: Vec<Constraint> = (0..3).flat_map(|_| pair(0.0, 0.3)).collect();
         let (table, report) = run(&mut thrice, DVec3::new(0.1, 0.2, -1.0), 0.25, true);
-        assert!(report.last_change < 1e-12);
+        assert!(report.settling.last_change < 1e-12);
         for (a, b) in table.nodes.iter().zip(&expected.nodes) {
             assert!((a.velocity_m_s - b.velocity_m_s).length() < 1e-12);
         }

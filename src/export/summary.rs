@@ -250,8 +250,8 @@ impl Extremes {
         }
         self.largest_contact_force_n = self.largest_contact_force_n.max(step.contact_force_n);
         self.most_contact_pairs = self.most_contact_pairs.max(step.contact_pairs);
-        self.most_passes = self.most_passes.max(step.passes);
-        self.largest_last_change = self.largest_last_change.max(step.last_change);
+        self.most_passes = self.most_passes.max(step.settling.passes);
+        self.largest_last_change = self.largest_last_change.max(step.settling.last_change);
         // A touch at the very start of a step ends it before time has passed.
         if step.step_s > 0.0 {
             let shortest_s = self.shortest_step_s.unwrap_or(f64::INFINITY);

@@ -113,13 +113,8 @@ impl World {
 
     fn frame(&self, with_interior: bool) -> Frame {
         let bodies = self.bodies.iter().zip(&self.frame_parts).enumerate();
-        let bodies = bodies.map(|(index, (body, parts))| {
-            let mut frame = self.body_frame(index, body, parts);
-            if with_interior && frame.role != BodyRole::Fixed {
-                frame.interior = Some(Arc::new(self.interior(index, body, parts)));
-            }
-            frame
-        });
+        let bodies =
+            bodies.map(|(index, (body, parts))| self.body_frame(index, (body, parts), with_interior));
         Frame {
             time_s: self.time_s,
             bodies: bodies.collect(),
@@ -149,7 +144,12 @@ impl World {
         }
     }
 
-    fn body_frame(&self, index: usize, body: &Body, parts: &FrameParts) -> BodyFrame {
+    fn body_frame(
+        &self,
+        index: usize,
+        (body, parts): (&Body, &FrameParts),
+        with_interior: bool,
+    ) -> BodyFrame {
         if body.is_removed {
             let role = BodyRole::Fixed;
             return BodyFrame {
@@ -161,22 +161,32 @@ impl World {
         }
         let positions = self.positions_m(index);
         let nodes = &body.surface.nodes;
+        let role = match body.regime {
+            Regime::Fixed => BodyRole::Fixed,
+            Regime::Kinematic => BodyRole::Kinematic,
+            _ => BodyRole::Deformable,
+        };
+        // Once for the skin and for what is inside.
+        let stresses = if role == BodyRole::Fixed { Vec::new() } else { self.element_stresses(index) };
+        let interior = (with_interior && role != BodyRole::Fixed)
+            .then(|| Arc::new(self.interior(index, (body, parts), &stresses)));
         BodyFrame {
             name: parts.name.clone(),
-            role: match body.regime {
-                Regime::Fixed => BodyRole::Fixed,
-                Regime::Kinematic => BodyRole::Kinematic,
-                _ => BodyRole::Deformable,
-            },
+            role,
             palette_srgb: parts.palette_srgb.clone(),
             surface: parts.surface(body),
             positions_m: nodes.iter().map(|n| to_f32(positions[*n as usize])).collect(),
-            fields: self.fields_at(index, body, nodes),
-            interior: None,
+            fields: self.fields_at(index, (body, nodes), &stresses),
+            interior,
         }
     }
 
-    fn interior(&self, index: usize, body: &Body, parts: &FrameParts) -> Interior {
+    fn interior(
+        &self,
+        index: usize,
+        (body, parts): (&Body, &FrameParts),
+        stresses: &[ElementStress],
+    ) -> Interior {
         let nodes: Vec<u32> = (0..body.reference_m.len() as u32).collect();
         let six = |s: &ElementStress| {
             let s = s.cauchy_pa;
@@ -185,12 +195,17 @@ impl World {
         Interior {
             topology: parts.interior(body),
             positions_m: self.positions_m(index).iter().copied().map(to_f32).collect(),
-            fields: self.fields_at(index, body, &nodes),
-            stress_pa: self.element_stresses(index).iter().map(six).collect(),
+            fields: self.fields_at(index, (body, &nodes), stresses),
+            stress_pa: stresses.iter().map(six).collect(),
         }
     }
 
-    fn fields_at(&self, index: usize, body: &Body, nodes: &[u32]) -> VertexFields {
+    fn fields_at(
+        &self,
+        index: usize,
+        (body, nodes): (&Body, &[u32]),
+        stresses: &[ElementStress],
+    ) -> VertexFields {
         let zero = || vec![0.0_f32; nodes.len()];
         let velocities = self.velocities_m_s(index);
         let mut fields = VertexFields {
@@ -209,7 +224,7 @@ impl World {
                 (body.position_m[n] - rigid.place_m(body.arms_m[n])).length() as f32
             };
             fields.displacement_m = nodes.iter().map(away).collect();
-            fill_stress_fields(&mut fields, (body, nodes), &self.element_stresses(index));
+            fill_stress_fields(&mut fields, (body, nodes), stresses);
         }
         fields
     }

@@ -1,6 +1,6 @@
 //! What a step tells about itself.
 
-use crate::contact::CHANGES_KEPT;
+use crate::contact::Settling;
 use glam::DVec3;
 
 /// Stage of the two-interval scheme (METHOD 3).
@@ -49,12 +49,8 @@ pub struct StepReport {
     pub elastic_steps: u32,
     /// Pairs that pressed.
     pub contact_pairs: u32,
-    /// Gauss-Seidel passes of the worst island.
-    pub passes: u32,
-    /// Last relative change of a multiplier.
-    pub last_change: f64,
-    /// Relative change of a multiplier after each of the first passes, of the worst island; 0 where there was none.
-    pub changes: [f64; CHANGES_KEPT],
+    /// How the Gauss-Seidel passes went, of the worst island.
+    pub settling: Settling,
     /// Deepest penetration at the end of the step, m.
     pub max_penetration_m: f64,
     /// Deepest penetration over the local element size, at the end of the step.

@@ -69,7 +69,7 @@ impl Kinematics {
     ];
 
     /// For the elements of a body that is turned by `orientation`.
-    pub(super) fn of_elements(self, orientation: DQuat) -> ElementKinematics {
+    pub(crate) fn of_elements(self, orientation: DQuat) -> ElementKinematics {
         match self {
             Self::Green => ElementKinematics::Green,
             Self::BodyFrame => ElementKinematics::BodyFrame { rotation: DMat3::from_quat(orientation) },

@@ -413,11 +413,7 @@ impl World {
         report.max_penetration_m = report.max_penetration_m.max(depth_m);
         report.max_penetration_ratio = report.max_penetration_ratio.max(depth_ratio);
         if pressing().next().is_some() {
-            report.passes = report.passes.max(response.passes);
-            report.last_change = report.last_change.max(response.last_change);
-            for (worst, change) in report.changes.iter_mut().zip(response.changes) {
-                *worst = worst.max(change);
-            }
+            report.settling.include(&response.settling);
             let sum: f64 = pressing().map(|c| c.impulse_n_s.length()).sum();
             collected.impulse_sum_n_s += sum;
             for c in pressing() {

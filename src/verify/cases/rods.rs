@@ -3,7 +3,7 @@
 
 use super::super::specimen::{body, box_mesh, material, moved, nodes_where, quiet_world, window_peak_n};
 use super::super::{CaseError, Effort, Outcome, Plot, Quantity, Scale};
-use crate::contact::CHANGES_KEPT;
+use crate::contact::Settling;
 use crate::scene::Scene;
 use crate::sim::{BodyMotion, Kinematics, World, WorldSetup};
 use glam::DVec3;
@@ -133,8 +133,8 @@ pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseErro
     let start = world.sample();
     let before: Vec<DVec3> = (0..2).map(|b| world.body_momentum_kg_m_s(b)).collect();
     let scale = before[0].length();
-    let (mut momentum_error, mut energy_error, mut last_change) = (0.0_f64, 0.0_f64, 0.0_f64);
-    let (mut most_passes, mut in_three) = (0, 0_u32);
+    let (mut momentum_error, mut energy_error) = (0.0_f64, 0.0_f64);
+    let (mut worst, mut in_three) = (Settling::default(), 0_u32);
     let mut steps = Vec::new();
     let (mut force, mut energies, mut passes) = (Vec::new(), [Vec::new(), Vec::new()], Vec::new());
     let mut in_contact = Vec::new();
@@ -144,14 +144,14 @@ pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseErro
         momentum_error = momentum_error.max(change.length() / scale);
         let energy = (sample.kinetic_j + sample.strain_j) / start.kinetic_j - 1.0;
         energy_error = energy_error.max(energy.abs());
-        last_change = last_change.max(report.last_change);
-        most_passes = most_passes.max(report.passes);
-        if report.passes > 0 {
+        let settling = report.settling;
+        worst.include(&settling);
+        if settling.passes > 0 {
             let stable_s = world.stable_step_s(0).min(world.stable_step_s(1));
             contact_step = contact_step.min(report.step_s / (cfl * stable_s));
-            in_three += u32::from(report.passes <= 3 && report.last_change < 1e-4);
-            in_contact.push((report.passes, report.last_change, report.changes));
-            passes.push([report.time_s, f64::from(report.passes)]);
+            in_three += u32::from(settling.passes <= 3 && settling.last_change < 1e-4);
+            in_contact.push(settling);
+            passes.push([report.time_s, f64::from(settling.passes)]);
         }
         force.push([report.time_s, report.contact_force_n]);
         steps.push([report.step_s, report.contact_force_n]);
@@ -167,10 +167,10 @@ pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseErro
     let moments = [0, in_contact.len() / 2, in_contact.len().saturating_sub(1)];
     let moments = moments.map(|index| in_contact.get(index).copied().unwrap_or_default());
     // The very last step only opens the pairs, and nothing changes in its passes.
-    let last_pressing = in_contact.iter().rfind(|(_, _, changes)| changes[0] > 0.0);
+    let last_pressing = in_contact.iter().rfind(|settling| settling.changes[0] > 0.0);
     let last_pressing = last_pressing.copied().unwrap_or_default();
-    let of_passes = |(passes, _, changes): (u32, f64, [f64; CHANGES_KEPT])| {
-        let passes = (1..=passes).zip(changes);
+    let of_passes = |settling: Settling| {
+        let passes = (1..=settling.passes).zip(settling.changes);
         passes.map(|(pass, change)| [f64::from(pass), change]).collect()
     };
     Ok(Collision {
@@ -184,10 +184,10 @@ pub fn collide(effort: &Effort, setup: WorldSetup) -> Result<Collision, CaseErro
             (impulse + changes[1]).length() / impulse.length(),
         ],
         velocities_m_s: [0, 1].map(|b| world.body_momentum_kg_m_s(b).x / world.mass_kg(b)),
-        most_passes,
+        most_passes: worst.passes,
         settled_in_three: f64::from(in_three) / in_contact.len().max(1) as f64,
-        last_change,
-        begin_middle_end: moments.map(|(passes, change, _)| (passes, change)),
+        last_change: worst.last_change,
+        begin_middle_end: moments.map(|settling| (settling.passes, settling.last_change)),
         settling: [moments[0], moments[1], last_pressing].map(of_passes),
         penetration: world.largest_penetration_ratio(),
         peak_n: window_peak_n(&steps, theory_length_s() / 10.0),
