@@ -36,11 +36,8 @@ fn parse_direction(text: &str) -> Result<Vec3, String> {
         "z" | "Z" => return Ok(sign * Vec3::Z),
         _ => {}
     }
-    let numbers: Vec<f32> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
-    let &[x, y, z] = numbers.as_slice() else { return Err(expected_cut()) };
-    if text.split(',').count() != 3 {
-        return Err(expected_cut());
-    }
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let Ok(&[x, y, z]) = numbers.as_deref() else { return Err(expected_cut()) };
     let direction = Vec3::new(x, y, z);
     direction
         .try_normalize()
@@ -108,10 +105,7 @@ impl Looking {
         }
         if self.plane.is_none() {
             self.plane = self.cut.and_then(|cut| {
-                let middle = || {
-                    let [low, high] = Cut::span_m(cut.normal, frame.bounds_m().unwrap_or_default());
-                    0.5 * (low + high)
-                };
+                let middle = || Cut::middle_m(cut.normal, frame.bounds_m().unwrap_or_default());
                 Cut::new(cut.normal, cut.position_m.unwrap_or_else(middle))
             });
         }

@@ -1,5 +1,6 @@
 //! Pictures for the page of `verify --report`: the scenes that the cases are about.
 
+use super::args::Size;
 use super::console::Console;
 use super::failure::Failure;
 use super::interrupt;
@@ -42,14 +43,14 @@ const SUBJECTS: [Subject; 7] = [
         ..subject("rods-fine", "rods-collision-fine", 3e-5, "The same with 40 elements along")
     },
     subject("incline", "incline", 0.5, "The block on its slope"),
-    subject("scenes", "bounce", 0.2, "`bounce`, soon after the start"),
-    subject("scenes", "stack", 0.3, "`stack`, soon after the start"),
+    subject("scenes", "bounce", 0.2, "bounce, soon after the start"),
+    subject("scenes", "stack", 0.3, "stack, soon after the start"),
     subject("beam-notch", "beam-notch", 2.0, "The notched beam of the thesis's size, under its load"),
     subject("pile-press", "pile-press", 0.25, "The pressed pile of the thesis's size, half way"),
 ];
 
-/// Size of a picture, pixels.
-const SIZE_PX: &str = "720x405";
+/// Size of a picture.
+const SIZE: Size = Size { width: 720, height: 405 };
 
 /// Draws the scenes of these cases. Where nothing can be drawn, the pictures say why.
 ///
@@ -64,7 +65,7 @@ pub fn draw(reports: &[CaseReport], console: &Console) -> Result<Pictures, Failu
     let mut studio = match Studio::open() {
         Ok(studio) => studio,
         Err(reason) => {
-            let missing = format!("The page has no pictures: {}", reason);
+            let missing = format!("The page has no pictures: {reason}");
             console.note(&missing);
             return Ok(Pictures { missing: Some(missing), ..Pictures::default() });
         }
@@ -80,7 +81,7 @@ fn take(subject: &Subject, studio: &mut Studio) -> Result<Picture, Failure> {
     let scene = Scene::load(subject.scene, &[]).map_err(|error| Failure::Run(error.to_string()))?;
     let args = RenderArgs {
         scene: subject.scene.to_owned(),
-        size: super::args::parse_size(SIZE_PX).ok(),
+        size: Some(SIZE),
         at: Some(subject.at_s),
         color_by: subject.color_by,
         wireframe: true,
@@ -97,5 +98,5 @@ fn take(subject: &Subject, studio: &mut Studio) -> Result<Picture, Failure> {
     framing.include(&frames[0]);
     let picture = studio.draw(&frames[0], &shot.setting(&frames, &framing))?;
     let png = png_bytes(&picture).map_err(|error| Failure::Run(error.to_string()))?;
-    Ok(Picture { case: subject.case, caption: subject.caption.replace('`', ""), png })
+    Ok(Picture { case: subject.case, caption: subject.caption, png })
 }

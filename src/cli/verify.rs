@@ -64,11 +64,16 @@ pub fn run(args: &VerifyArgs, common: &CommonArgs, console: &Console) -> Result<
         console.result(report::markdown(&reports).trim_end())?;
     }
     if let Some(folder) = &args.report {
-        let pictures = report_pictures::draw(&reports, console)?;
+        // What was measured is kept, whatever becomes of the pictures.
+        let (pictures, drawn) = match report_pictures::draw(&reports, console) {
+            Ok(pictures) => (pictures, Ok(())),
+            Err(failure) => (report::Pictures::default(), Err(failure)),
+        };
         for (name, content) in report::files(&reports, args.quick, &pictures) {
             write_whole(&folder.join(name), content.as_bytes())?;
         }
         console.note(format_args!("`{}` is written", folder.join(report::PAGE_FILE).display()));
+        drawn?;
     }
     let [pass, short, shown] = report::counts(&reports);
     console.note(format_args!(

@@ -69,7 +69,7 @@ impl GifWriter {
         let [Ok(width), Ok(height)] = size_px.map(u16::try_from) else {
             return Err(failed("a GIF has at most 65535 pixels on a side".into()));
         };
-        let palette = Palette::learn(samples.iter().flat_map(|p| colors(p)));
+        let palette = Palette::learn(samples.iter().flat_map(|p| p.colors()));
         let encoder = gif::Encoder::new(Vec::new(), width, height, &palette.bytes())
             .and_then(|mut encoder| {
                 encoder.set_repeat(gif::Repeat::Infinite)?;
@@ -105,7 +105,7 @@ impl GifWriter {
     /// readable.
     pub fn push(&mut self, picture: &Picture) -> Result<(), ExportError> {
         let [width, height] = self.size;
-        let pixels: Vec<[u8; 3]> = colors(picture).collect();
+        let pixels: Vec<[u8; 3]> = picture.colors().collect();
         if picture.width as usize != width || pixels.len() != width * height {
             return Err(self.failed(format!(
                 "a picture of {}x{} pixels does not fit one of {width}x{height}",
@@ -128,9 +128,9 @@ impl GifWriter {
             ..Default::default()
         };
         self.encoder.write_frame(&frame).map_err(|error| self.failed(error.to_string()))?;
-        self.pictures += 1;
         let written = self.flush();
         self.is_refused |= written.is_err();
+        self.pictures += u64::from(written.is_ok());
         written.and_then(|()| self.show()).map_err(ExportError::io("write", &self.path))
     }
 
@@ -151,14 +151,16 @@ impl GifWriter {
     }
 
     fn end(&mut self) -> io::Result<()> {
+        // Without a picture it is no GIF, and what was there stays.
+        if self.pictures == 0 {
+            return self.beside.take().map_or(Ok(()), std::fs::remove_file);
+        }
         let synced = self.file.sync_all();
         self.is_refused |= synced.is_err();
         synced?;
-        match self.beside.take() {
-            // Without a picture it is no GIF, and what was there stays.
-            Some(beside) if self.pictures == 0 => std::fs::remove_file(beside),
-            Some(beside) if !self.is_refused => std::fs::rename(beside, &self.path),
-            _ => Ok(()),
+        match self.beside.take().filter(|_| !self.is_refused) {
+            Some(beside) => std::fs::rename(beside, &self.path),
+            None => Ok(()),
         }
     }
 
@@ -274,8 +276,4 @@ impl Rectangle {
         let rows = self.top..self.top + self.height;
         rows.flat_map(move |y| (left..left + width).map(move |x| y * picture_width + x))
     }
-}
-
-fn colors(picture: &Picture) -> impl Iterator<Item = [u8; 3]> + '_ {
-    picture.rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]])
 }

@@ -55,10 +55,10 @@ pub fn png_bytes(picture: &Picture) -> Result<Vec<u8>, ExportError> {
 
 fn encode(path: &Path, picture: &Picture) -> Result<Vec<u8>, ExportError> {
     let failed = |reason: String| ExportError::Encode { path: path.to_owned(), reason };
-    let rgb = rgb_of(path, picture)?.concat();
+    let rgb = rgb_of(path, picture)?;
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-        .write_image(&rgb, picture.width, picture.height, ExtendedColorType::Rgb8)
+        .write_image(rgb.as_flattened(), picture.width, picture.height, ExtendedColorType::Rgb8)
         .map_err(|error| failed(error.to_string()))?;
     Ok(bytes)
 }
@@ -75,7 +75,7 @@ fn rgb_of(path: &Path, picture: &Picture) -> Result<Vec<[u8; 3]>, ExportError> {
             picture.height
         )));
     }
-    Ok(picture.rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect())
+    Ok(picture.colors().collect())
 }
 
 #[cfg(test)]
