@@ -26,7 +26,7 @@
 use super::ElasticConstants;
 use super::kernel::{
     BatchShape, CornerRows, LaneTotals, Symmetric, add_totals, contract, deformation_gradient, hooke,
-    load_gradients, load3, store_forces, symmetric_times, transpose,
+    load_gradients, load3, product_less_identity, store_forces, symmetric_times, transpose,
 };
 use super::lanes::{BATCH, Lanes, Lanes3, Row, cross, dot};
 use crate::math::best_fit_rotation;
@@ -74,16 +74,7 @@ pub(super) fn corotated_batch<S: Simd>(
     }
     for group in 0..BATCH / S::F64_LANES {
         let (f, r) = (load9(simd, &f_rows, group), load9(simd, &r_rows, group));
-        let (f_columns, r_columns) = (transpose(f), transpose(r));
-        let one = Lanes::splat(simd, 1.0);
-        let strain = [
-            dot(r_columns[0], f_columns[0]) - one,
-            dot(r_columns[1], f_columns[1]) - one,
-            dot(r_columns[2], f_columns[2]) - one,
-            dot(r_columns[0], f_columns[1]),
-            dot(r_columns[0], f_columns[2]),
-            dot(r_columns[1], f_columns[2]),
-        ];
+        let strain = product_less_identity(simd, transpose(r), transpose(f));
         let stress = hooke(simd, shape, strain, group);
         add_totals(group, totals, strain, stress);
         let stiffer = stiffening(simd, shape, strain, group);

@@ -95,16 +95,8 @@ pub(super) fn green_batch<S: Simd>(
         let gradients = load_gradients(simd, shape, group);
         let f = deformation_gradient(simd, corners, gradients, group);
         let columns = transpose(f);
-        let one = Lanes::splat(simd, 1.0);
         // C - I = 2 E
-        let twice_strain = [
-            dot(columns[0], columns[0]) - one,
-            dot(columns[1], columns[1]) - one,
-            dot(columns[2], columns[2]) - one,
-            dot(columns[0], columns[1]),
-            dot(columns[0], columns[2]),
-            dot(columns[1], columns[2]),
-        ];
+        let twice_strain = product_less_identity(simd, columns, columns);
         let half = Lanes::splat(simd, 0.5);
         let strain = scale(twice_strain, half);
         let stress = hooke(simd, shape, strain, group);
@@ -187,6 +179,20 @@ pub(super) fn transpose<S: Simd>(m: [Lanes3<S>; 3]) -> [Lanes3<S>; 3] {
 #[inline(always)]
 pub(super) fn scale<S: Simd>(m: Symmetric<S>, by: Lanes<S>) -> Symmetric<S> {
     [m[0] * by, m[1] * by, m[2] * by, m[3] * by, m[4] * by, m[5] * by]
+}
+
+/// `A^T B - I` of the columns of two matrices whose product is symmetric.
+#[inline(always)]
+pub(super) fn product_less_identity<S: Simd>(simd: S, a: [Lanes3<S>; 3], b: [Lanes3<S>; 3]) -> Symmetric<S> {
+    let one = Lanes::splat(simd, 1.0);
+    [
+        dot(a[0], b[0]) - one,
+        dot(a[1], b[1]) - one,
+        dot(a[2], b[2]) - one,
+        dot(a[0], b[1]),
+        dot(a[0], b[2]),
+        dot(a[1], b[2]),
+    ]
 }
 
 /// `V_0 (lambda tr(e) I + 2 mu e)`.

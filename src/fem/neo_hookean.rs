@@ -22,7 +22,7 @@
 use super::ElasticConstants;
 use super::kernel::{
     BatchShape, CornerRows, LaneTotals, Symmetric, contract, deformation_gradient, load_gradients,
-    store_forces, transpose,
+    product_less_identity, store_forces, transpose,
 };
 use super::lanes::{BATCH, Lanes, Lanes3, Row, cross, dot};
 use glam::{DMat3, DVec3};
@@ -110,15 +110,7 @@ impl<S: Simd> Measures<S> {
     #[inline(always)]
     fn of(simd: S, shape: &BatchShape, f: [Lanes3<S>; 3], group: usize) -> Self {
         let columns = transpose(f);
-        let one = Lanes::splat(simd, 1.0);
-        let q = [
-            dot(columns[0], columns[0]) - one,
-            dot(columns[1], columns[1]) - one,
-            dot(columns[2], columns[2]) - one,
-            dot(columns[0], columns[1]),
-            dot(columns[0], columns[2]),
-            dot(columns[1], columns[2]),
-        ];
+        let q = product_less_identity(simd, columns, columns);
         let cofactor = [cross(f[1], f[2]), cross(f[2], f[0]), cross(f[0], f[1])];
         let mu = shape.mu_volume_j.load(simd, group);
         let lambda = shape.lambda_volume_j.load(simd, group);

@@ -109,11 +109,7 @@ impl Scene {
     /// [`SceneError::Invalid`] with everything that is wrong so far.
     pub fn describe(label: &str, text: &str, overrides: &[String]) -> Result<SceneDescription, SceneError> {
         let mut document = SceneDocument::parse(label, text)?;
-        let mut problems = document.try_apply(overrides);
-        let findings = Findings::default();
-        let mut description = parse::read_scene(document.root(), &findings);
-        parse::check_whole(&mut description, document.root(), &findings);
-        problems.extend(findings.into_problems());
+        let Reading { description, problems, .. } = Reading::of(&mut document, overrides);
         if problems.is_empty() { Ok(description) } else { Err(document.invalid(problems)) }
     }
 
@@ -158,13 +154,8 @@ impl Scene {
         folder: &Path,
         overrides: &[String],
     ) -> Result<Self, SceneError> {
-        let mut problems = document.try_apply(overrides);
-        let findings = Findings::default();
-        let mut description = parse::read_scene(document.root(), &findings);
+        let Reading { description, mut problems, is_readable } = Reading::of(&mut document, overrides);
         // With values that stand in for wrong ones, building would find what is not there.
-        let is_readable = problems.is_empty() && findings.is_empty();
-        parse::check_whole(&mut description, document.root(), &findings);
-        problems.extend(findings.into_problems());
         if !is_readable {
             return Err(document.invalid(problems));
         }
@@ -199,6 +190,27 @@ pub const CRITERION_COLUMN: usize = parse::CRITERION_PREFIX.len();
 /// [`CRITERION_COLUMN`].
 pub fn parse_criterion(label: &str, table: &str) -> Result<Criterion, SceneError> {
     parse::parse_criterion(label, table)
+}
+
+/// What a document says, and everything that is wrong with it before anything is built.
+struct Reading {
+    description: SceneDescription,
+    problems: Vec<Finding>,
+    /// Whether every value could be read; else others stand in for them.
+    is_readable: bool,
+}
+
+impl Reading {
+    /// Of a document with overrides on top.
+    fn of(document: &mut SceneDocument, overrides: &[String]) -> Self {
+        let mut problems = document.try_apply(overrides);
+        let findings = Findings::default();
+        let mut description = parse::read_scene(document.root(), &findings);
+        let is_readable = problems.is_empty() && findings.is_empty();
+        parse::check_whole(&mut description, document.root(), &findings);
+        problems.extend(findings.into_problems());
+        Self { description, problems, is_readable }
+    }
 }
 
 /// Findings whose paths are turned into places.

@@ -1,5 +1,6 @@
 //! What the cracks of a body look like: how steep they stand, and the plane of the largest of them.
 
+use super::cases::patch::outer_product;
 use crate::math::{DisjointSets, symmetric_eigen};
 use crate::sim::World;
 use glam::{DMat3, DVec3};
@@ -10,6 +11,15 @@ struct CrackTriangle {
     corners_m: [DVec3; 3],
     area_m2: f64,
     normal: DVec3,
+}
+
+impl CrackTriangle {
+    fn new(corners_m: [DVec3; 3]) -> Self {
+        let [a, b, c] = corners_m;
+        let area_normal = 0.5 * (b - a).cross(c - a);
+        let area_m2 = area_normal.length();
+        Self { corners_m, area_m2, normal: area_normal / area_m2 }
+    }
 }
 
 /// All cracks of a body at one moment, in its reference shape. Both sides of a crack count, so areas are twice those of the crack.
@@ -28,13 +38,7 @@ pub(super) struct Band {
 impl Cracks {
     pub fn of(world: &World, body: usize) -> Self {
         let reference_m = world.reference_positions_m(body);
-        let triangle = |nodes: [u32; 3]| {
-            let corners_m = nodes.map(|n| reference_m[n as usize]);
-            let [a, b, c] = corners_m;
-            let area_normal = 0.5 * (b - a).cross(c - a);
-            let area_m2 = area_normal.length();
-            CrackTriangle { corners_m, area_m2, normal: area_normal / area_m2 }
-        };
+        let triangle = |nodes: [u32; 3]| CrackTriangle::new(nodes.map(|n| reference_m[n as usize]));
         Self { triangles: world.crack_faces(body).map(|face| triangle(face.nodes)).collect() }
     }
 
@@ -50,18 +54,18 @@ impl Cracks {
     /// their centres alone.
     pub fn largest(&self) -> Option<Band> {
         let set = self.largest_set();
-        let area_m2: f64 = set.iter().map(|t| t.area_m2).sum();
         if set.is_empty() {
             return None;
         }
+        let area_m2: f64 = set.iter().map(|t| t.area_m2).sum();
         let centre = |t: &CrackTriangle| t.corners_m.iter().sum::<DVec3>() / 3.0;
         let middle_m = set.iter().map(|t| centre(t) * t.area_m2).sum::<DVec3>() / area_m2;
-        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
         // The second moment of a triangle: area/12 (sum of x x^T over its corners + s s^T), s their sum.
         let moment = set.iter().fold(DMat3::ZERO, |sum, t| {
             let at = t.corners_m.map(|x| x - middle_m);
-            let of_corners = at.iter().fold(DMat3::ZERO, |m, x| m + outer(*x));
-            sum + (of_corners + outer(at.iter().sum())) * (t.area_m2 / 12.0)
+            let sum_m: DVec3 = at.iter().sum();
+            let of_corners = at.iter().fold(DMat3::ZERO, |m, x| m + outer_product(*x, *x));
+            sum + (of_corners + outer_product(sum_m, sum_m)) * (t.area_m2 / 12.0)
         });
         let corners = || set.iter().flat_map(|t| t.corners_m);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
@@ -98,13 +102,7 @@ mod tests {
     use super::*;
 
     fn cracks(triangles: &[[DVec3; 3]]) -> Cracks {
-        let of = |corners_m: &[DVec3; 3]| {
-            let [a, b, c] = *corners_m;
-            let area_normal = 0.5 * (b - a).cross(c - a);
-            let area_m2 = area_normal.length();
-            CrackTriangle { corners_m: *corners_m, area_m2, normal: area_normal / area_m2 }
-        };
-        Cracks { triangles: triangles.iter().map(of).collect() }
+        Cracks { triangles: triangles.iter().copied().map(CrackTriangle::new).collect() }
     }
 
     #[test]

@@ -98,26 +98,35 @@ fn fast_forces_equal_the_definition() {
     }
 }
 
+/// Asserts that the forces are the slope of the energy, downhill, by central differences of `step_m`.
+pub(super) fn assert_downhill(
+    body: &ElementBatches,
+    x: &[DVec3],
+    kinematics: ElementKinematics,
+    step_m: f64,
+) {
+    let (forces_n, _) = forces(body, x, kinematics);
+    for node in 0..x.len() {
+        for axis in 0..3 {
+            let energy_at = |shift: f64| {
+                let mut moved = x.to_vec();
+                moved[node][axis] += shift;
+                forces(body, &moved, kinematics).1.strain_energy_j
+            };
+            let slope = (energy_at(step_m) - energy_at(-step_m)) / (2.0 * step_m);
+            let error = (forces_n[node][axis] + slope).abs() / largest(&forces_n);
+            assert!(error < 1e-8, "{kinematics:?} node {node} axis {axis}: {error:e}");
+        }
+    }
+}
+
 #[test]
 fn forces_are_the_downhill_slope_of_the_energy() {
     let mesh = box_mesh([2, 2, 2], 0.2);
     let body = batches(&mesh, &vec![STEEL; mesh.tets.len()]);
     for kinematics in all_kinematics() {
         let x = shaken(&mesh, 0.1, kinematics);
-        let (forces_n, _) = forces(&body, &x, kinematics);
-        let step_m = 1e-5;
-        for node in 0..x.len() {
-            for axis in 0..3 {
-                let energy_at = |shift: f64| {
-                    let mut moved = x.clone();
-                    moved[node][axis] += shift;
-                    forces(&body, &moved, kinematics).1.strain_energy_j
-                };
-                let slope = (energy_at(step_m) - energy_at(-step_m)) / (2.0 * step_m);
-                let error = (forces_n[node][axis] + slope).abs() / largest(&forces_n);
-                assert!(error < 1e-8, "node {node} axis {axis}: {error:e}");
-            }
-        }
+        assert_downhill(&body, &x, kinematics, 1e-5);
     }
 }
 

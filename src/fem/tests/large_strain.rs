@@ -1,5 +1,6 @@
 //! `corotated` and `neo-hookean` far from the reference shape: inverted, flat, scrambled.
 
+use super::forces::assert_downhill;
 use super::*;
 use crate::fem::test_support::box_mesh;
 use crate::fem::{corotated, neo_hookean};
@@ -49,20 +50,7 @@ fn forces_of_a_scrambled_body_are_the_downhill_slope_of_its_energy() {
     let body = batches(&mesh, &vec![RUBBER; mesh.tets.len()]);
     let x = scrambled(&mesh);
     for kinematics in LARGE {
-        let (forces_n, _) = forces(&body, &x, kinematics);
-        let step_m = 1e-6;
-        for node in 0..x.len() {
-            for axis in 0..3 {
-                let energy_at = |shift: f64| {
-                    let mut moved = x.clone();
-                    moved[node][axis] += shift;
-                    forces(&body, &moved, kinematics).1.strain_energy_j
-                };
-                let slope = (energy_at(step_m) - energy_at(-step_m)) / (2.0 * step_m);
-                let error = (forces_n[node][axis] + slope).abs() / largest(&forces_n);
-                assert!(error < 1e-8, "{kinematics:?} node {node} axis {axis}: {error:e}");
-            }
-        }
+        assert_downhill(&body, &x, kinematics, 1e-6);
     }
 }
 

@@ -2,13 +2,12 @@
 
 use super::super::specimen::{body, box_mesh, fixed, held, material, moved, nodes_where, quiet_world};
 use super::super::{CaseError, Effort, Outcome, Plot, Quantity};
-use super::patch::{lame_pa, neo_hookean_piola_pa};
-use super::rods;
-use super::waves::{Wave, bar_speed_m_s, speed_of};
-use crate::fem::{ElasticConstants, ElementBatches, ElementKinematics, ForceScratch};
+use super::patch::{lame_pa, neo_hookean_piola_pa, outer_product};
+use super::{rods, waves};
+use crate::fem::{ElasticConstants, ElementBatches, ForceScratch};
 use crate::mesh::signed_volume_m3;
 use crate::sim::{BodyMotion, Kinematics, World};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 const YOUNG_PA: f64 = 1e6;
 const POISSON: f64 = 0.3;
@@ -27,15 +26,6 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
     all.extend(measure_free(effort)?);
     all.extend(measure_crash(effort)?);
     Ok(Outcome { quantities: all, plots: vec![plot] })
-}
-
-fn of_elements(kinematics: Kinematics) -> ElementKinematics {
-    match kinematics {
-        Kinematics::Green => ElementKinematics::Green,
-        Kinematics::BodyFrame => ElementKinematics::BodyFrame { rotation: DMat3::IDENTITY },
-        Kinematics::Corotated => ElementKinematics::Corotated,
-        Kinematics::NeoHookean => ElementKinematics::NeoHookean,
-    }
 }
 
 /// A block of one material.
@@ -59,9 +49,9 @@ impl Block {
         let moved: Vec<DVec3> = self.nodes_m.iter().map(|x| f * *x).collect();
         let mut forces_n = vec![DVec3::ZERO; moved.len()];
         let scratch = &mut ForceScratch::default();
-        self.elements.forces(scratch, &moved, of_elements(kinematics), &mut forces_n);
+        self.elements.forces(scratch, &moved, kinematics.of_elements(DQuat::IDENTITY), &mut forces_n);
         let pairs = self.nodes_m.iter().zip(&forces_n);
-        pairs.map(|(x, f)| DMat3::from_cols(*f * -x.x, *f * -x.y, *f * -x.z)).sum()
+        -pairs.map(|(x, f)| outer_product(*f, *x)).sum::<DMat3>()
     }
 }
 
@@ -90,17 +80,10 @@ fn measure_small() -> Result<Vec<Quantity>, CaseError> {
 
 /// Pressure waves run equally fast in all of them.
 fn measure_waves(effort: &Effort) -> Result<Vec<Quantity>, CaseError> {
-    let wave = Wave {
-        name: "thin bar",
-        source: "",
-        held_axes: [false; 3],
-        along: DVec3::X,
-        poisson_ratio: 0.0,
-        speed_m_s: bar_speed_m_s(206.82e9, 7844.0),
-    };
+    let [wave, ..] = waves::kinds();
     let mut all = Vec::new();
     for (name, kinematics) in Kinematics::NAMED {
-        let speed_m_s = speed_of(effort, &wave, (10, kinematics))?;
+        let speed_m_s = waves::speed_of(effort, &wave, (10, kinematics))?;
         all.push(
             Quantity::relative(
                 format!("{name}: speed of waves in a thin bar"),

@@ -140,7 +140,7 @@ fn is_inner(x_m: DVec3) -> bool {
 }
 
 /// `a b^T`.
-fn outer_product(a: DVec3, b: DVec3) -> DMat3 {
+pub(in crate::verify) fn outer_product(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 

@@ -27,7 +27,7 @@ pub(super) struct Wave {
     pub speed_m_s: f64,
 }
 
-fn kinds() -> [Wave; 3] {
+pub(super) fn kinds() -> [Wave; 3] {
     let [lambda_pa, mu_pa] = lame_pa(YOUNG_PA, POISSON);
     [
         Wave {

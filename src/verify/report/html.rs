@@ -100,7 +100,7 @@ fn section(page: &mut String, report: &CaseReport) {
 
 fn pictures_of(page: &mut String, report: &CaseReport, pictures: &Pictures) {
     for picture in pictures.list.iter().filter(|picture| picture.case == report.case.id) {
-        let caption = escaped(&picture.caption);
+        let caption = escaped(picture.caption);
         let data = BASE64.encode(&picture.png);
         let _ = writeln!(
             page,
@@ -119,7 +119,7 @@ mod tests {
     fn pictures_stand_in_the_page_itself_or_the_page_says_why_there_are_none() {
         let reports =
             [CaseReport { case: find("rods").expect("it is in the list"), outcome: Ok(Outcome::default()) }];
-        let picture = |case| Picture { case, caption: "a < b".to_owned(), png: b"\x89PNG\r\n".to_vec() };
+        let picture = |case| Picture { case, caption: "a < b", png: b"\x89PNG\r\n".to_vec() };
         let pictures = Pictures { list: vec![picture("rods"), picture("spin")], missing: None };
         let page = html(&reports, true, &pictures);
         assert_eq!(page.matches("<img").count(), 1);

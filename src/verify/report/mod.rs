@@ -59,7 +59,7 @@ pub struct Picture {
     /// Name of the case it belongs to.
     pub case: &'static str,
     /// What it shows.
-    pub caption: String,
+    pub caption: &'static str,
     /// The content of a PNG file.
     pub png: Vec<u8>,
 }
