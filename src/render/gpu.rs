@@ -1,6 +1,7 @@
 //! The graphics device: which adapter, and what to say when there is none.
 
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 use thiserror::Error;
 
 /// Environment variable that overrides the choice of adapter: `software`, or a part of the
@@ -10,6 +11,10 @@ pub const ADAPTER_VARIABLE: &str = "HAMMERFALL_GPU";
 /// Backends this program is built with on some platform.
 const BACKENDS: wgpu::Backends =
     wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+
+/// Longest wait for one picture. A software driver on a busy machine needs a second for a large
+/// one; a driver that hangs never comes back.
+pub(super) const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// Why nothing can be drawn.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -225,6 +230,16 @@ impl Gpu {
     /// rejected call.
     pub fn check(&self) -> Result<(), GpuError> {
         self.fault.take().map_or(Ok(()), Err)
+    }
+
+    /// Waits until the device is done with a submission, or with all.
+    ///
+    /// # Errors
+    /// As [`Gpu::check`]; [`GpuError::TimedOut`] from a driver that hangs.
+    pub fn wait(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
+        let waited = self.device.poll(wgpu::PollType::Wait { submission_index, timeout: Some(TIME_LIMIT) });
+        self.check()?;
+        waited.map(|_| ()).map_err(|_| GpuError::TimedOut(TIME_LIMIT.as_secs()))
     }
 
     /// Checks that a picture of this size, in pixels, can be drawn.

@@ -2,19 +2,13 @@
 
 use crate::frame::Frame;
 use crate::render::camera::Camera;
-use crate::render::gpu::{Gpu, GpuError};
+use crate::render::gpu::{Gpu, GpuError, TIME_LIMIT};
 use crate::render::renderer::{Renderer, Target};
 use crate::render::view::View;
 use std::sync::mpsc;
-use std::time::Duration;
 
 /// Bytes of one pixel.
 const PIXEL_BYTES: u32 = 4;
-/// Longest wait for one picture. A software driver on a busy machine needs a second for a large
-/// one; a driver that hangs never comes back.
-const TIME_LIMIT: Duration = Duration::from_secs(120);
-/// Format of the texture that is read back.
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// A finished picture.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -37,6 +31,11 @@ impl Picture {
         let start = PIXEL_BYTES as usize * (y as usize * self.width as usize + x as usize);
         std::array::from_fn(|i| self.rgba.get(start + i).copied().unwrap_or(0))
     }
+
+    /// Red, green and blue of every pixel, rows from top to bottom.
+    pub fn colors(&self) -> impl Iterator<Item = [u8; 3]> + '_ {
+        self.rgba.chunks_exact(PIXEL_BYTES as usize).map(|p| [p[0], p[1], p[2]])
+    }
 }
 
 /// Draws frames into memory. Textures live on between pictures of the same size.
@@ -47,12 +46,15 @@ pub struct OffScreen {
 }
 
 impl OffScreen {
+    /// Format of textures that are read back.
+    pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
     /// Makes ready to draw.
     ///
     /// # Errors
     /// What the device reported while the pipelines were built.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let renderer = Renderer::new(gpu, FORMAT);
+        let renderer = Renderer::new(gpu, Self::FORMAT);
         gpu.check()?;
         Ok(Self { gpu: gpu.clone(), renderer, target: None })
     }
@@ -92,7 +94,7 @@ impl OffScreen {
     ) -> Result<Picture, GpuError> {
         self.gpu.check_size(size_px)?;
         let target = ReadableTarget::new(&self.gpu, size_px)?;
-        draw(&target.view, FORMAT);
+        draw(&target.view, Self::FORMAT);
         self.gpu.check()?;
         target.read(&self.gpu)
     }
@@ -119,7 +121,7 @@ impl ReadableTarget {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
+            format: OffScreen::FORMAT,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT
                 | wgpu::TextureUsages::COPY_SRC
                 | wgpu::TextureUsages::COPY_DST,
@@ -148,11 +150,7 @@ impl ReadableTarget {
             // The receiver is gone only if waiting failed, which is reported there.
             let _ = sender.send(result);
         });
-        let waited = gpu
-            .device
-            .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(TIME_LIMIT) });
-        gpu.check()?;
-        waited.map_err(|_| GpuError::TimedOut(TIME_LIMIT.as_secs()))?;
+        gpu.wait(Some(submission))?;
         let mapped = receiver.recv_timeout(TIME_LIMIT);
         let mapped = mapped.map_err(|_| GpuError::TimedOut(TIME_LIMIT.as_secs()))?;
         mapped.map_err(|error| GpuError::Other(error.to_string()))?;

@@ -37,6 +37,13 @@ impl Cut {
         let reach = normal.abs().dot(0.5 * (high - low));
         [middle - reach, middle + reach]
     }
+
+    /// The position along `normal` at which the plane goes through the middle of a box, metres.
+    #[must_use]
+    pub fn middle_m(normal: Vec3, bounds_m: ([f32; 3], [f32; 3])) -> f32 {
+        let [low, high] = Self::span_m(normal, bounds_m);
+        0.5 * (low + high)
+    }
 }
 
 /// A body cut open, and which of its triangles are the section.

@@ -98,8 +98,10 @@ impl View {
     /// crosses.
     #[must_use]
     pub fn cross_scale_for(&self, frame: &Frame) -> Option<f32> {
-        let own = cross_scale_pa([frame]);
-        own.map(|own| self.cross_scale_pa.filter(|scale| *scale > 0.0).unwrap_or(own))
+        if frame.crosses.is_empty() {
+            return None;
+        }
+        self.cross_scale_pa.filter(|scale| *scale > 0.0).or_else(|| cross_scale_pa([frame]))
     }
 }
 

@@ -52,7 +52,8 @@ pub struct Closer {
 impl Closer {
     /// Forgets the extent of an earlier scene, and looks at nothing inside.
     pub fn open(&mut self, frame: &Frame) {
-        *self = Self { extent_m: frame.bounds_m(), ..Self::default() };
+        *self = Self::default();
+        self.take_in(frame);
     }
 
     /// Makes the slider reach all of a frame.
@@ -92,16 +93,14 @@ impl Closer {
 
     /// Puts the plane through the middle of the scene.
     pub fn center(&mut self) {
-        let [low, high] = self.span_m();
-        self.position_m = 0.5 * (low + high);
+        self.position_m = Cut::middle_m(self.normal(), self.extent_m.unwrap_or_default());
     }
 
     /// Cuts the bodies open through their middle, or closes them again.
     pub fn toggle_cut(&mut self, now: &Frame) {
         self.is_cut = !self.is_cut;
         if self.is_cut {
-            let [low, high] = Cut::span_m(self.normal(), now.bounds_m().unwrap_or_default());
-            self.position_m = 0.5 * (low + high);
+            self.position_m = Cut::middle_m(self.normal(), now.bounds_m().unwrap_or_default());
         }
     }
 
@@ -141,11 +140,10 @@ impl Seeing {
     #[must_use]
     pub fn of(&self, frame: &Frame) -> Frame {
         let apart = (self.explode > 0.0).then(|| exploded(frame, self.explode));
-        let apart = apart.as_ref().unwrap_or(frame);
         if self.needs_interior() {
-            look_inside(apart, self.cut.as_ref(), self.with_crosses)
+            look_inside(apart.as_ref().unwrap_or(frame), self.cut.as_ref(), self.with_crosses)
         } else {
-            apart.clone()
+            apart.unwrap_or_else(|| frame.clone())
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Fragments moved apart, to see what is between them. Only for the eye: nothing of it reaches the simulation.
 
-use crate::frame::{BodyFrame, BodyRole, Frame, Interior};
+use crate::frame::{BodyFrame, BodyRole, Frame};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,13 +20,11 @@ pub fn exploded(frame: &Frame, share: f32) -> Frame {
 
 fn explode(body: &mut BodyFrame, share: f32) {
     let surface = body.surface.clone();
-    let mut fragment_of = vec![None; body.positions_m.len()];
     let mut sums: BTreeMap<u32, (Vec3, f32)> = BTreeMap::new();
     for (index, triangle) in surface.triangles.iter().enumerate() {
         let fragment = surface.triangle_fragment.get(index).copied().unwrap_or(0);
         for vertex in triangle {
             let Some(position) = body.positions_m.get(*vertex as usize) else { continue };
-            fragment_of[*vertex as usize] = Some(fragment);
             let (sum, count) = sums.entry(fragment).or_default();
             *sum += Vec3::from(*position);
             *count += 1.0;
@@ -42,28 +40,33 @@ fn explode(body: &mut BodyFrame, share: f32) {
         // Nothing goes down into the ground.
         Some(away.with_z(away.z.max(0.0)))
     };
+    let fragment_of = fragments_of(body.positions_m.len(), &surface.triangles, &surface.triangle_fragment);
     for (position, fragment) in body.positions_m.iter_mut().zip(fragment_of) {
         move_by(position, away(fragment));
     }
     if let Some(interior) = &mut body.interior {
-        explode_interior(Arc::make_mut(interior), away);
+        let interior = Arc::make_mut(interior);
+        let topology = interior.topology.clone();
+        let fragment_of =
+            fragments_of(interior.positions_m.len(), &topology.tets, &topology.element_fragment);
+        for (position, fragment) in interior.positions_m.iter_mut().zip(fragment_of) {
+            move_by(position, away(fragment));
+        }
     }
 }
 
-fn explode_interior(interior: &mut Interior, away: impl Fn(Option<u32>) -> Option<Vec3>) {
-    let topology = interior.topology.clone();
-    let mut fragment_of = vec![None; interior.positions_m.len()];
-    for (element, tet) in topology.tets.iter().enumerate() {
-        let fragment = topology.element_fragment.get(element).copied().unwrap_or(0);
-        for node in tet {
-            if let Some(of_node) = fragment_of.get_mut(*node as usize) {
-                *of_node = Some(fragment);
+/// The fragment that each point belongs to, by the triangles or tetrahedra at it.
+fn fragments_of<const N: usize>(points: usize, cells: &[[u32; N]], fragments: &[u32]) -> Vec<Option<u32>> {
+    let mut of_point = vec![None; points];
+    for (index, cell) in cells.iter().enumerate() {
+        let fragment = fragments.get(index).copied().unwrap_or(0);
+        for point in cell {
+            if let Some(of) = of_point.get_mut(*point as usize) {
+                *of = Some(fragment);
             }
         }
     }
-    for (position, fragment) in interior.positions_m.iter_mut().zip(fragment_of) {
-        move_by(position, away(fragment));
-    }
+    of_point
 }
 
 fn move_by(position: &mut [f32; 3], away: Option<Vec3>) {

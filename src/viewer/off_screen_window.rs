@@ -5,12 +5,6 @@ use super::stage::{Output, Stage};
 use super::ui::style;
 use crate::render::{Gpu, GpuError, OffScreen, Picture};
 use egui::{Context, RawInput, Rect, ViewportId, pos2};
-use std::time::Duration;
-
-/// Format of the texture that is drawn on: that of pictures which are read back.
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// Longest wait for one frame. A driver that hangs never comes back.
-const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// A window that nobody sees.
 pub struct OffScreenWindow {
@@ -33,7 +27,7 @@ impl OffScreenWindow {
     /// # Errors
     /// [`GpuError`] when nothing can be drawn.
     pub fn new(app: App, size_px: [u32; 2], pixels_per_point: f32) -> Result<Self, GpuError> {
-        let stage = Stage::new(Gpu::headless()?, FORMAT, true)?;
+        let stage = Stage::new(Gpu::headless()?, OffScreen::FORMAT, true)?;
         Ok(Self { app, context: new_context(), size_px, pixels_per_point, time_s: 0.0, stage, target: None })
     }
 
@@ -66,13 +60,7 @@ impl OffScreenWindow {
         self.stage.draw_pictures(&mut self.app, output.full.pixels_per_point)?;
         self.target = fitting_target(&self.stage.gpu, self.target.take(), self.size_px);
         self.stage.paint(&self.app, &mut output, self.target.as_ref());
-        let waited = self
-            .stage
-            .gpu
-            .device
-            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(TIME_LIMIT) });
-        self.stage.gpu.check()?;
-        waited.map(|_| ()).map_err(|_| GpuError::TimedOut(TIME_LIMIT.as_secs()))
+        self.stage.gpu.wait(None)
     }
 
     /// Lays out one frame and brings back what it looks like.
@@ -112,7 +100,7 @@ impl OffScreenWindow {
     #[cfg(test)]
     pub fn recover(&mut self) -> Result<(), GpuError> {
         self.target = None;
-        self.stage = Stage::new(Gpu::headless()?, FORMAT, true)?;
+        self.stage = Stage::new(Gpu::headless()?, OffScreen::FORMAT, true)?;
         self.context = renewed_context(&self.context);
         self.app.forget_graphics();
         Ok(())
@@ -152,7 +140,7 @@ fn new_target(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::Texture {
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: FORMAT,
+        format: OffScreen::FORMAT,
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     })

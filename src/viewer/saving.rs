@@ -227,8 +227,6 @@ fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progres
         if progress.wants_end.load(Ordering::Relaxed) {
             writer.finish().map_err(words)?;
             if index == 0 {
-                // Without a picture there is nothing to keep.
-                let _ = std::fs::remove_file(path);
                 return Ok("stopped before the first picture".to_owned());
             }
             return Ok(format!("stopped: {} keeps the first {index} pictures", path.display()));

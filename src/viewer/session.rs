@@ -282,6 +282,8 @@ impl Session {
         self.contact = None;
         self.speed = 1.0 / scene.description.recording.slow_motion.max(1.0);
         self.notice = None;
+        self.thrown = 0;
+        self.kept_text.clear();
         self.start(scene.clone(), scene.clone(), world);
         self.set_playing(play);
         if !scene.warnings.is_empty() {
@@ -311,9 +313,11 @@ impl Session {
         });
         match built {
             Ok((scene, world)) => {
-                let thrown = if keep { self.thrown } else { 0 };
+                if !keep {
+                    self.thrown = 0;
+                }
+                self.kept_text = kept;
                 self.start(base, scene, world);
-                (self.kept_text, self.thrown) = (kept, thrown);
             }
             Err(reason) => return self.tell(format!("the scene could not be reset: {reason}")),
         }
@@ -330,8 +334,6 @@ impl Session {
         self.history = Arc::default();
         (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
         self.standing_steps = 0;
-        self.thrown = 0;
-        self.kept_text.clear();
         self.forget_recording();
         self.run_up_end_s = scene.description.recording.start_s;
         self.restart_clock();

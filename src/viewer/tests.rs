@@ -85,6 +85,23 @@ fn open(window: &mut Window, scene: &str) {
     settle(window);
 }
 
+/// The world of a saved scene at the end of what the window has recorded: it has the same bytes at every moment.
+fn replayed(saved: &Scene, window: &Window) -> World {
+    let mut world = World::new(saved.setup.clone()).unwrap();
+    for moment in window.state().snapshot.recording.moments() {
+        while world.time_s() < moment.time_s {
+            world.step(moment.time_s).unwrap();
+        }
+        // A moment at which somebody throws is recorded before the throw.
+        let frame = world.publish();
+        for (now, then) in frame.bodies.iter().zip(&moment.frame.bodies) {
+            assert_eq!(now.positions_m, then.positions_m, "{} at {}", then.name, moment.time_s);
+            assert_eq!(now.fields.von_mises_pa, then.fields.von_mises_pa);
+        }
+    }
+    world
+}
+
 #[test]
 fn choose_change_throw_break_scrub_save_and_reload() {
     let folder = tempfile::tempdir().unwrap();
@@ -149,18 +166,7 @@ fn choose_change_throw_break_scrub_save_and_reload() {
     // The saved scene gives the same bytes at every recorded moment.
     let path = folder.path().join("brick-pile.toml");
     let saved = Scene::load(path.to_str().unwrap(), &[]).unwrap();
-    let mut world = World::new(saved.setup.clone()).unwrap();
-    for moment in window.state().snapshot.recording.moments() {
-        while world.time_s() < moment.time_s {
-            world.step(moment.time_s).unwrap();
-        }
-        // A moment at which somebody throws is recorded before the throw.
-        let frame = world.publish();
-        for (now, then) in frame.bodies.iter().zip(&moment.frame.bodies) {
-            assert_eq!(now.positions_m, then.positions_m, "{} at {}", then.name, moment.time_s);
-            assert_eq!(now.fields.von_mises_pa, then.fields.von_mises_pa);
-        }
-    }
+    let world = replayed(&saved, &window);
     assert!(world.body_count() == bodies + 1 && world.time_s() > thrown_s);
 }
 
@@ -237,16 +243,7 @@ fn a_body_is_pulled_with_the_mouse_saved_repeated_taken_back_and_done_again() {
     let path = folder.path().join("bounce.toml");
     let saved = Scene::load(path.to_str().unwrap(), &[]).unwrap();
     assert_eq!(saved.description.pulls.len(), 1);
-    let mut world = World::new(saved.setup.clone()).unwrap();
-    for moment in window.state().snapshot.recording.moments() {
-        while world.time_s() < moment.time_s {
-            world.step(moment.time_s).unwrap();
-        }
-        let frame = world.publish();
-        for (now, then) in frame.bodies.iter().zip(&moment.frame.bodies) {
-            assert_eq!(now.positions_m, then.positions_m, "{} at {}", then.name, moment.time_s);
-        }
-    }
+    replayed(&saved, &window);
 
     // From the start, with the same pull; then without it.
     press(&mut window, "Again");

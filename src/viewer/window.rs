@@ -270,7 +270,7 @@ impl OpenWindow {
         self.graphics = None;
         self.app.forget_graphics();
         self.app.tell(format!(
-            "Drawing was interrupted and the graphics device had to be opened anew. Nothing of the scene is lost. The              reason: {error}"
+            "Drawing was interrupted and the graphics device had to be opened anew. Nothing of the scene is lost. The reason: {error}"
         ));
         // At once the first time, then ever later: a driver that is being replaced takes its time.
         let delay = (RETRY * 2_u32.pow(self.losses.min(8))).min(LONGEST_RETRY);

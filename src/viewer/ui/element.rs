@@ -1,17 +1,18 @@
 //! The element that was clicked on: its stress, and Mohr's circles with the envelope of its criterion.
 
-use super::stress_space;
+use super::stress_space::{self, NearSurface};
 use super::widgets::measured;
 use crate::fracture::envelope::{
     DrawnRange, distance_along_pa, mohr_envelope, principal_place, principal_point_pa,
 };
-use crate::fracture::{Criterion, Strength};
+use crate::fracture::{Criterion, CriterionError, Strength};
 use crate::viewer::app::App;
 use crate::viewer::inspection::Inspection;
-use egui::{Color32, Grid, RichText, Ui};
+use egui::{Color32, Grid, Id, RichText, Ui};
 use egui_plot::{Line, Plot};
 use glam::DVec3;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 pub const HEIGHT: f32 = 170.0;
 pub const CIRCLE: Color32 = Color32::from_rgb(0x3b, 0x82, 0xd6);
@@ -48,10 +49,37 @@ pub fn show(ui: &mut Ui, app: &App) {
         }
     });
     components(ui, inspection);
-    mohr(ui, inspection);
-    if let Some(criterion) = &inspection.criterion {
-        stress_space::show(ui, criterion, inspection.principal_pa);
+    let curves =
+        inspection.criterion.as_ref().map(|criterion| curves(ui, criterion, inspection.principal_pa));
+    mohr(ui, inspection, curves.as_ref().map_or(&[], |curves| &curves.envelope));
+    if let Some(curves) = curves {
+        stress_space::show(ui, &curves.surface, inspection.principal_pa);
     }
+}
+
+/// What a criterion looks like near a state of stress.
+struct Curves {
+    criterion: Criterion,
+    principal_pa: DVec3,
+    envelope: Vec<Limit>,
+    surface: Result<NearSurface, CriterionError>,
+}
+
+/// Found once for each state, not for each frame of the window: it takes thousands of looks at the criterion.
+fn curves(ui: &Ui, criterion: &Criterion, principal_pa: DVec3) -> Arc<Curves> {
+    let id = Id::unique("failure surface");
+    let known = ui.data(|data| data.get_temp::<Arc<Curves>>(id));
+    if let Some(known) = known.filter(|k| k.principal_pa == principal_pa && k.criterion == *criterion) {
+        return known;
+    }
+    let found = Arc::new(Curves {
+        criterion: criterion.clone(),
+        principal_pa,
+        envelope: envelope(criterion, principal_pa),
+        surface: NearSurface::of(criterion, principal_pa),
+    });
+    ui.data_mut(|data| data.insert_temp(id, found.clone()));
+    found
 }
 
 /// The tensor in world axes, two components a row: more would not fit into the panel.
@@ -73,10 +101,8 @@ fn components(ui: &mut Ui, inspection: &Inspection) {
     });
 }
 
-fn mohr(ui: &mut Ui, inspection: &Inspection) {
+fn mohr(ui: &mut Ui, inspection: &Inspection, lines: &[Limit]) {
     let [s1, s2, s3] = inspection.principal_pa.to_array();
-    let lines =
-        inspection.criterion.as_ref().map(|c| envelope(c, inspection.principal_pa)).unwrap_or_default();
     let reach = (s1 - s3).abs().max(s1.abs()).max(s3.abs());
     // Without stress the envelope alone says how large the picture must be.
     let strength = |line: &Limit| line.first().map_or(0.0, |[sigma, tau]| sigma.abs().max(*tau));
@@ -92,7 +118,7 @@ fn mohr(ui: &mut Ui, inspection: &Inspection) {
                     Line::new(name, circle(0.5 * (high + low), 0.5 * (high - low))).color(CIRCLE).width(1.6),
                 );
             }
-            for line in &lines {
+            for line in lines {
                 for sign in [1.0, -1.0] {
                     let points: Vec<[f64; 2]> =
                         line.iter().map(|[sigma, tau]| [*sigma, sign * tau]).collect();

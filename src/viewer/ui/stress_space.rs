@@ -22,7 +22,7 @@ const REACH: f64 = 8.0;
 
 /// The failure surface near a state of stress.
 #[derive(Debug, PartialEq)]
-struct Near {
+pub struct NearSurface {
     /// Across the axis at the state's mean stress, right and up, Pa; pieces where it is open.
     section: Vec<Vec<[f64; 2]>>,
     /// Mean stress and distance from the axis at the state's angle, Pa.
@@ -31,8 +31,12 @@ struct Near {
     shown_pa: f64,
 }
 
-impl Near {
-    fn of(criterion: &Criterion, principal_pa: DVec3) -> Result<Self, CriterionError> {
+impl NearSurface {
+    /// Finds it.
+    ///
+    /// # Errors
+    /// [`CriterionError`] where a formula has no value.
+    pub fn of(criterion: &Criterion, principal_pa: DVec3) -> Result<Self, CriterionError> {
         let (mean_pa, distance_pa, angle_rad) = principal_place(principal_pa);
         let mut nearest_pa = f64::INFINITY;
         for index in 0..12 {
@@ -72,8 +76,8 @@ fn pieces(distances_pa: &[Option<f64>]) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// Shows both views.
-pub fn show(ui: &mut Ui, criterion: &Criterion, principal_pa: DVec3) {
-    let near = match Near::of(criterion, principal_pa) {
+pub fn show(ui: &mut Ui, surface: &Result<NearSurface, CriterionError>, principal_pa: DVec3) {
+    let near = match surface {
         Ok(near) => near,
         Err(error) => {
             ui.label(RichText::new(format!("The failure surface cannot be drawn: {error}")).small());
@@ -81,7 +85,7 @@ pub fn show(ui: &mut Ui, criterion: &Criterion, principal_pa: DVec3) {
         }
     };
     let (mean_pa, distance_pa, _) = principal_place(principal_pa);
-    across(ui, &near, principal_pa);
+    across(ui, near, principal_pa);
     let text =
         format!("Across the hydrostatic axis at a mean stress of {}; s1 points up.", measured(mean_pa, "Pa"));
     ui.label(RichText::new(text).small().weak());
@@ -93,7 +97,7 @@ pub fn show(ui: &mut Ui, criterion: &Criterion, principal_pa: DVec3) {
     ui.label(RichText::new(text).small().weak());
 }
 
-fn across(ui: &mut Ui, near: &Near, principal_pa: DVec3) {
+fn across(ui: &mut Ui, near: &NearSurface, principal_pa: DVec3) {
     let place = deviatoric_place_pa(principal_pa).to_array();
     let (name, shown_pa) = ("principal stress space", near.shown_pa);
     figure(ui, name).include_y(shown_pa).include_y(-shown_pa).show(ui, |plot| {
@@ -131,7 +135,7 @@ mod tests {
         let singles = strengths.map(|strength| Criterion::single(strength).unwrap());
         for criterion in singles.iter().chain([&Criterion::any_of(both).unwrap()]) {
             for state in [DVec3::ZERO, DVec3::new(1e6, 0.0, -3e6), DVec3::new(-1e3, -1e3, -1e3)] {
-                let near = Near::of(criterion, state).unwrap();
+                let near = NearSurface::of(criterion, state).unwrap();
                 assert!(!near.section.is_empty() && near.meridian.len() > 1, "{criterion:?} {state}");
                 assert!(near.shown_pa.is_finite() && near.shown_pa > 0.0);
             }
@@ -142,7 +146,7 @@ mod tests {
     fn a_state_on_the_surface_lies_on_both_curves() {
         let criterion = Criterion::single(Strength::VonMises { shear_strength_pa: K }).unwrap();
         // Pure shear of k.
-        let near = Near::of(&criterion, DVec3::new(K, 0.0, -K)).unwrap();
+        let near = NearSurface::of(&criterion, DVec3::new(K, 0.0, -K)).unwrap();
         let radius = 2.0_f64.sqrt() * K;
         assert_eq!((near.section.len(), near.section[0].len()), (1, AROUND as usize + 1));
         assert!(near.section[0].iter().all(|[x, y]| (x.hypot(*y) / radius - 1.0).abs() < 1e-9));
