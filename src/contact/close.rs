@@ -7,11 +7,10 @@ use super::boxes::SurfaceBoxes;
 use super::candidates::{Boxed, Candidates};
 use super::detect::{NEAR, PairDepths, PairView, ThrownNodes};
 use super::follow::Origins;
-use super::geometry::{barycentric, closest_on_lines};
+use super::geometry::{barycentric, closest_on_lines, distance_of_segments};
 use super::own::OwnFeatures;
 use super::twins::TwinState;
 use crate::mesh::Renumbering;
-use glam::DVec3;
 
 /// Ways count by this factor: contact may speed them up within the steps to come.
 pub(super) const SPEED_UP: f64 = 2.0;
@@ -238,16 +237,17 @@ fn edge_clearance_m(pair: &PairView, (first, second): (u32, u32)) -> f64 {
     let (along_p, along_q) = (p[1] - p[0], q[1] - q[0]);
     let lengths2 = along_p.length_squared() * along_q.length_squared();
     let sine2 = along_p.cross(along_q).length_squared() / lengths2;
-    if sine2 < NEARLY_PARALLEL {
-        return 0.0;
-    }
-    let Some((s, t)) = closest_on_lines(p, q) else { return 0.0 };
     let shortest_m = along_p.length().min(along_q.length());
     let is_held = pair.list.holds_edges(pair.bodies, [first, second]);
     let depth = if is_held { pair.depths.held } else { pair.depths.new_edges };
-    let apart: DVec3 = p[0].lerp(p[1], s) - q[0].lerp(q[1], t);
+    // Edges touch between their ends only, where the lines are no nearer to each other than the edges.
+    let between_m = distance_of_segments(p, q) - depth * shortest_m;
+    if sine2 < NEARLY_PARALLEL {
+        return between_m.max(0.0);
+    }
+    let Some((s, t)) = closest_on_lines(p, q) else { return 0.0 };
     let beyond = |share: f64| (-share).max(share - 1.0) + pair.edge_ends();
     // Where two lines cross moves the faster the smaller their angle.
     let beside_m = beyond(s).max(beyond(t)) * shortest_m * (sine2.sqrt() / SHIFT);
-    (apart.length() - depth * shortest_m).max(beside_m).max(0.0)
+    between_m.max(beside_m).max(0.0)
 }

@@ -251,12 +251,7 @@ fn measure_free(effort: &Effort) -> Result<Vec<Quantity>, CaseError> {
                 sideways,
             )
             .by("no stress at the sides");
-            if kinematics == Kinematics::BodyFrame {
-                // Its one frame is fitted to the nodes by their masses, which are uneven in a block of one cell.
-                all.extend([stress, width]);
-            } else {
-                all.extend([stress.within(0.01, SLOW), width.within(0.01, SLOW)]);
-            }
+            all.extend([stress.within(0.01, SLOW), width.within(0.01, SLOW)]);
         }
     }
     Ok(all)
@@ -265,7 +260,8 @@ fn measure_free(effort: &Effort) -> Result<Vec<Quantity>, CaseError> {
 /// Sideways stretch and mean Cauchy stress along, Pa.
 fn pull(effort: &Effort, kinematics: Kinematics, stretch: f64) -> Result<[f64; 2], CaseError> {
     const CROSSINGS: f64 = 200.0;
-    let mesh = box_mesh(DVec3::splat(SIDE_M), [1; 3], DVec3::splat(0.5 * SIDE_M))?;
+    // The masses of a single cell's nodes are uneven, which turns the one frame of `body-frame`: 1.1 % of the stress.
+    let mesh = box_mesh(DVec3::splat(SIDE_M), [2; 3], DVec3::splat(0.5 * SIDE_M))?;
     let face = |axis: usize, at_m: f64| nodes_where(&mesh, |x| (x[axis] - at_m).abs() < 1e-9);
     let only = |axis: usize| std::array::from_fn(|i| i == axis);
     let wave_m_s = (YOUNG_PA / DENSITY).sqrt();
