@@ -59,7 +59,7 @@ impl Closer {
     /// Makes the slider reach all of a frame.
     pub fn take_in(&mut self, frame: &Frame) {
         let Some((low, high)) =
-            frame.bounds_m().filter(|(low, high)| low.iter().chain(high).all(|x| x.is_finite()))
+            frame.near_bounds_m().filter(|(low, high)| low.iter().chain(high).all(|x| x.is_finite()))
         else {
             return;
         };
@@ -100,7 +100,7 @@ impl Closer {
     pub fn toggle_cut(&mut self, now: &Frame) {
         self.is_cut = !self.is_cut;
         if self.is_cut {
-            self.position_m = Cut::middle_m(self.normal(), now.bounds_m().unwrap_or_default());
+            self.position_m = Cut::middle_m(self.normal(), now.near_bounds_m().unwrap_or_default());
         }
     }
 

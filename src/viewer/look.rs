@@ -86,10 +86,10 @@ impl Look {
         self.camera = opening_camera(&scene.description, &Framing::of(&snapshot.frame), aspect);
     }
 
-    /// Shows everything that is there now, from where the camera looks. The floor comes along: what has fallen
+    /// Shows what is there now, from where the camera looks, without what has flown or fallen far off. The floor comes along: what has fallen
     /// below the one from the start would stay hidden under it.
     pub fn frame_all(&mut self, frame: &Frame, aspect: f32) {
-        let framing = Framing::of(frame);
+        let framing = Framing::of_near(frame);
         self.ground = framing.floor().map_or(Ground::Hidden, Ground::At);
         framing.fit(&mut self.camera, aspect);
     }

@@ -63,7 +63,7 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
                         }
                     }
                 });
-            if ui.button("Fit").on_hover_text("Show everything (F)").clicked() {
+            if ui.button("Fit").on_hover_text("Show everything but what flew or fell far off (F)").clicked() {
                 actions.push(Action::FrameAll);
             }
         });

@@ -116,7 +116,7 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
     let Figure { title, unit, curves } = *figure;
     let label = move |position: &HoverPosition<'_>| match position {
         HoverPosition::NearDataPoint { plot_name, position, .. } => {
-            Some(format!("{plot_name} {}\nat {}", measured(position.y, unit), measured(position.x, "s")))
+            Some(format!("{plot_name} {}\nat {}", value_text(position.y, unit), measured(position.x, "s")))
         }
         HoverPosition::Elsewhere { .. } => None,
     };
@@ -131,8 +131,8 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
         .show_crosshair(false)
         .grid_color(grid_color)
         .grid_spacing(egui::Rangef::new(10.0, 40.0))
-        .x_grid_spacer(|grid| marks(grid.bounds, 2.4))
-        .y_grid_spacer(|grid| marks(grid.bounds, 5.0))
+        .x_grid_spacer(|grid| marks(grid.bounds, 2.4, 0.0))
+        .y_grid_spacer(move |grid| marks(grid.bounds, 5.0, if unit.is_empty() { 1.0 } else { 0.0 }))
         .y_axis_min_width(48.0)
         .set_margin_fraction(egui::vec2(0.1, 0.06))
         .include_y(0.0)
@@ -168,9 +168,9 @@ fn is_flat(rows: &[Row], value: fn(&Row) -> f64) -> bool {
     rows.iter().all(|row| value(row) == 0.0)
 }
 
-/// Marks at round values, about `count` of them.
-fn marks((low, high): (f64, f64), count: f64) -> Vec<GridMark> {
-    let rough = (high - low) / count;
+/// Marks at round values, about `count` of them, and at least so far apart: what is counted has no halves.
+fn marks((low, high): (f64, f64), count: f64, least_step: f64) -> Vec<GridMark> {
+    let rough = ((high - low) / count).max(least_step);
     if !(rough.is_finite() && rough > 0.0) {
         return Vec::new();
     }
@@ -182,7 +182,12 @@ fn marks((low, high): (f64, f64), count: f64) -> Vec<GridMark> {
 }
 
 fn tick(value: f64, unit: &str) -> String {
-    if value == 0.0 { "0".to_owned() } else { measured(value, unit) }
+    if value == 0.0 { "0".to_owned() } else { value_text(value, unit) }
+}
+
+/// A value with its unit; a count as it is.
+fn value_text(value: f64, unit: &str) -> String {
+    if unit.is_empty() { format!("{value:.0}") } else { measured(value, unit) }
 }
 
 /// Points of a curve, of each group of rows the one largest in size, so that no peak is lost.
@@ -203,7 +208,7 @@ fn legend(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], rows: &[Row]) 
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 icons::swatch(ui, curve.color);
-                let text = format!("{} {}", curve.name, measured((curve.value)(&last), unit));
+                let text = format!("{} {}", curve.name, value_text((curve.value)(&last), unit));
                 ui.label(RichText::new(text).small()).on_hover_text(curve.hint);
             });
             if index % 2 == 1 {
@@ -216,12 +221,20 @@ fn legend(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], rows: &[Row]) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::with_unit;
 
     #[test]
     fn marks_are_few_and_round() {
-        let values = |bounds| marks(bounds, 3.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
+        let values = |bounds| marks(bounds, 3.0, 0.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
         assert_eq!(values((0.0, 10.0)), [0.0, 5.0, 10.0]);
         assert_eq!(values((-2.5, 3.1)), [-2.0, 0.0, 2.0]);
+        let counts = |high| marks((0.0, high), 5.0, 1.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
+        assert_eq!(counts(1.1), [0.0, 1.0]);
+        assert_eq!(counts(7.4), [0.0, 2.0, 4.0, 6.0]);
+        assert_eq!(
+            (value_text(12.0, ""), value_text(1500.0, "N")),
+            ("12".to_owned(), with_unit(1500.0, "N"))
+        );
         assert!(values((1.0, 1.0)).is_empty() && values((0.0, f64::NAN)).is_empty());
     }
 
