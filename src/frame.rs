@@ -272,7 +272,7 @@ const BELOW_SIZES: f32 = 0.5;
 /// Share of the surface that must still be above the lowest fixed body for the rest to count as fallen off.
 const LEAST_SHARE_ABOVE: f64 = 0.1;
 /// Enough for tenths of a surface.
-const MOST_PATCHES: usize = 4096;
+const MOST_PATCHES: usize = 1024;
 
 /// A triangle of a surface, as far as its weight and place go.
 #[derive(Clone, Copy, Debug)]

@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use crate::frame::{BodyRole, ColorBy, Frame};
 use crate::render::{Cut, Range, look_inside, parse_with_unit, with_unit};
+use crate::scene::description::CutPlane;
 use glam::Vec3;
 
 /// A cutting plane as it was asked for.
@@ -12,6 +13,14 @@ pub struct CutChoice {
     normal: Vec3,
     /// Place along the direction, m; `None`: the middle of the bodies at the first picture.
     position_m: Option<f32>,
+}
+
+impl CutChoice {
+    /// The one that a scene is recorded with; `None` for a direction beyond single precision.
+    pub fn of_scene(plane: &CutPlane) -> Option<Self> {
+        let normal = plane.across.normalize_or_zero().as_vec3().try_normalize()?;
+        Some(Self { normal, position_m: plane.at_m.map(|at_m| at_m as f32) })
+    }
 }
 
 /// Reads `x`, `-y`, `1,0,2`, each perhaps with `=POSITION`.
@@ -205,7 +214,7 @@ mod tests {
         assert_eq!(look("x", &[0.0, 5.0]), None);
         assert_eq!(look("x=5.5", &[0.0, 5.0]), None);
         let doubt = look("-x=-9", &[0.0, 5.0]).unwrap();
-        assert!(doubt.contains("the plane is at -9 m, the bodies are between -6 m and 0"), "{doubt}");
+        assert!(doubt.contains("the plane is at −9 m, the bodies are between −6 m and 0"), "{doubt}");
         assert_eq!(Looking::default().doubt(), None);
     }
 }

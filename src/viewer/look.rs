@@ -60,6 +60,10 @@ impl Look {
         self.typed_range = TypedRange::default();
         self.explode = 0.0;
         self.closer.open(&snapshot.frame);
+        if let Some(scene) = &snapshot.scene {
+            self.typed_range = TypedRange::of_scene(&scene.description.recording);
+            self.closer.look_as(&scene.description.recording, &snapshot.frame);
+        }
         self.wants_opening_camera = true;
     }
 
@@ -124,9 +128,11 @@ impl Look {
     /// The view for the renderer.
     #[must_use]
     pub fn view(&self, pixels_per_point: f32) -> View {
+        let typed = self.typed_range.range(self.color_by).ok().flatten();
         View {
             color_by: self.color_by,
-            range: self.typed_range.range(self.color_by).ok().flatten().or(self.range),
+            range: typed.or(self.range),
+            is_range_chosen: typed.is_some(),
             wireframe: self.wireframe,
             ground: self.ground,
             background: if self.is_dark { Background::Dark } else { Background::Light },

@@ -104,9 +104,12 @@ fn sketch(index: usize) -> Option<Sketch> {
     let frame = World::new(scene.setup.clone()).ok()?.publish();
     let framing = Framing::of(&frame);
     let aspect = SIZE_PX[0] as f32 / SIZE_PX[1] as f32;
+    // From where the scene is recorded, but as near as shows all that is there at the start: what comes in later is not.
+    let mut camera = opening_camera(&scene.description, &framing, aspect);
+    framing.fit(&mut camera, aspect);
     Some(Sketch {
         scene: index,
-        camera: opening_camera(&scene.description, &framing, aspect),
+        camera,
         ground: framing.floor().map_or(Ground::Hidden, Ground::At),
         color_by: ColorBy::Material,
         frame,

@@ -68,6 +68,10 @@ pub fn window_picture(shot: &WindowShot) -> Result<Picture, String> {
     let mut session = Session::default();
     let (scene, overrides) = (shot.scene.clone(), shot.overrides.clone());
     session.execute(Command::Open { scene, overrides, play: true });
+    let snapshot = session.snapshot();
+    let recording = snapshot.scene.as_ref().map(|scene| &scene.description.recording);
+    let looks_inside = recording.is_some_and(|recording| recording.cut.is_some() || recording.crosses);
+    session.execute(Command::SetInterior(looks_inside));
     play_to(&mut session, shot.at_s)?;
     draw(shot, &mut session).map_err(|error| error.to_string())
 }

@@ -131,7 +131,7 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
         .show_crosshair(false)
         .grid_color(grid_color)
         .grid_spacing(egui::Rangef::new(10.0, 40.0))
-        .x_grid_spacer(|grid| marks(grid.bounds, 2.4, 0.0))
+        .x_grid_spacer(|grid| marks(grid.bounds, 4.0, 0.0))
         .y_grid_spacer(move |grid| marks(grid.bounds, 5.0, if unit.is_empty() { 1.0 } else { 0.0 }))
         .y_axis_min_width(48.0)
         .set_margin_fraction(egui::vec2(0.1, 0.06))
