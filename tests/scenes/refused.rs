@@ -300,7 +300,7 @@ friction = 0.1
 [[pulls]]
 body = "a"
 at = [0, 0, 0]
-path = [{ at = 0.1, point = [0, 0, 1] }, { time = 0.2, point = [0, 0, 2] }]
+path = [{ time = 0.1, point = [0, 0, 1] }, { at = 0.2, point = [0, 0, 2] }]
 
 [time]
 duration = 1
@@ -314,12 +314,12 @@ color_range = [2, 1]
         &[],
         &[
             "7: unknown key `at` in `bodies.a`; did you mean `position` or `enters`?",
-            "9: `removals[0].at` is missing",
+            "9: `at` is missing in `removals[0]`",
             "11: unknown key `time` in `removals[0]`; did you mean `at`?",
-            "13: `contact_changes[0].at` is missing",
+            "13: `at` is missing in `contact_changes[0]`",
             "14: unknown key `when` in `contact_changes[0]`; did you mean `at`?",
-            "20: `pulls[0].path[0].time` is missing",
-            "20: unknown key `at` in `pulls[0].path[0]`; did you mean `time`?",
+            "20: `time` is missing in `pulls[0].path[1]`",
+            "20: unknown key `at` in `pulls[0].path[1]`; did you mean `time`?",
             "26: `recording.cut.across` must have a direction",
             "27: the first of `recording.color_range` must be below the second",
         ],

@@ -4,9 +4,11 @@ use super::icons;
 use super::widgets::measured;
 use crate::viewer::history::{History, Row};
 use egui::{Color32, RichText, Ui};
-use egui_plot::{GridMark, HoverPosition, Line, LineStyle, Plot, VLine};
+use egui_plot::{AxisHints, GridMark, HoverPosition, Line, LineStyle, Plot, VLine};
 
 const HEIGHT: f32 = 150.0;
+/// Labels of times nearer than this to each other fade and go, points.
+const X_LABEL_SPACING: egui::Rangef = egui::Rangef { min: 36.0, max: 48.0 };
 /// More points than the panel has pixels only cost time.
 const MOST_POINTS: usize = 300;
 
@@ -131,7 +133,7 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
         .show_crosshair(false)
         .grid_color(grid_color)
         .grid_spacing(egui::Rangef::new(10.0, 40.0))
-        .x_grid_spacer(|grid| marks(grid.bounds, 4.0, 0.0))
+        .x_grid_spacer(|grid| marks(grid.bounds, 3.4, 0.0))
         .y_grid_spacer(move |grid| marks(grid.bounds, 5.0, if unit.is_empty() { 1.0 } else { 0.0 }))
         .y_axis_min_width(48.0)
         .set_margin_fraction(egui::vec2(0.1, 0.06))
@@ -139,6 +141,7 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
         .include_x(0.0)
         .include_x(if is_flat(rows, |row| row.time_s) { 1e-3 } else { 0.0 })
         .include_y(if curves.iter().all(|curve| is_flat(rows, curve.value)) { 1.0 } else { 0.0 })
+        .custom_x_axes(vec![AxisHints::new_x().label_spacing(X_LABEL_SPACING)])
         .x_axis_formatter(|mark, range| {
             // A label at the very end would stick out of the panel.
             let is_last = range.end() - mark.value < 0.1 * (range.end() - range.start());
