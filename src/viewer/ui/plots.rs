@@ -8,7 +8,7 @@ use egui_plot::{AxisHints, GridMark, HoverPosition, Line, LineStyle, Plot, VLine
 
 const HEIGHT: f32 = 150.0;
 /// Labels of times nearer than this to each other fade and go, points.
-const X_LABEL_SPACING: egui::Rangef = egui::Rangef { min: 36.0, max: 48.0 };
+pub(super) const X_LABEL_SPACING: egui::Rangef = egui::Rangef { min: 36.0, max: 48.0 };
 /// More points than the panel has pixels only cost time.
 const MOST_POINTS: usize = 300;
 
@@ -172,19 +172,23 @@ fn is_flat(rows: &[Row], value: fn(&Row) -> f64) -> bool {
 }
 
 /// Marks at round values, about `count` of them, and at least so far apart: what is counted has no halves.
-fn marks((low, high): (f64, f64), count: f64, least_step: f64) -> Vec<GridMark> {
+pub(super) fn marks((low, high): (f64, f64), count: f64, least_step: f64) -> Vec<GridMark> {
     let rough = ((high - low) / count).max(least_step);
     if !(rough.is_finite() && rough > 0.0) {
         return Vec::new();
     }
     let decade = 10f64.powf(rough.log10().floor());
-    let lead = [1.0, 2.0, 5.0, 10.0].into_iter().find(|lead| lead * decade >= 0.999 * rough).unwrap_or(10.0);
+    let lead = [1.0, 2.0, 2.5, 5.0, 10.0]
+        .into_iter()
+        .filter(|lead| least_step == 0.0 || *lead != 2.5)
+        .find(|lead| lead * decade >= 0.999 * rough)
+        .unwrap_or(10.0);
     let step_size = lead * decade;
     let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
     (first..=last).map(|number| GridMark { value: number as f64 * step_size, step_size }).collect()
 }
 
-fn tick(value: f64, unit: &str) -> String {
+pub(super) fn tick(value: f64, unit: &str) -> String {
     if value == 0.0 { "0".to_owned() } else { value_text(value, unit) }
 }
 
@@ -230,6 +234,7 @@ mod tests {
     fn marks_are_few_and_round() {
         let values = |bounds| marks(bounds, 3.0, 0.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
         assert_eq!(values((0.0, 10.0)), [0.0, 5.0, 10.0]);
+        assert_eq!(values((0.0, 7.0)), [0.0, 2.5, 5.0]);
         assert_eq!(values((-2.5, 3.1)), [-2.0, 0.0, 2.0]);
         let counts = |high| marks((0.0, high), 5.0, 1.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
         assert_eq!(counts(1.1), [0.0, 1.0]);
