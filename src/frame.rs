@@ -3,6 +3,7 @@
 //! The simulation publishes a [`Frame`]; the renderer, the exporters of pictures and the viewer
 //! read it. Positions are `f32` here and nowhere below.
 
+use glam::Vec3;
 use std::str::FromStr;
 use std::sync::Arc;
 use thiserror::Error;
@@ -201,10 +202,112 @@ impl Frame {
     /// Smallest and largest world coordinates over the moving bodies, or over all bodies when
     /// nothing moves; `None` when there is nothing to draw. Metres.
     #[must_use]
-    pub fn bounds_m(&self) -> Option<([f32; 3], [f32; 3])> {
-        let moving = self.bodies.iter().filter(|b| b.role != BodyRole::Fixed);
-        bounds_of(moving).or_else(|| bounds_of(self.bodies.iter()))
+    pub fn bounds_m(&self) -> Option<Bounds> {
+        bounds_of(self.moving().flat_map(|body| &body.positions_m))
+            .or_else(|| bounds_of(self.bodies.iter().flat_map(|body| &body.positions_m)))
     }
+
+    /// As [`Frame::bounds_m`], without what has flown or fallen far off: a shard on its way out of the scene must not
+    /// make all the rest small. Metres.
+    #[must_use]
+    pub fn near_bounds_m(&self) -> Option<Bounds> {
+        let Some((low, high)) = self.near_limits_m() else { return self.bounds_m() };
+        let is_near = |p: &&[f32; 3]| (0..3).all(|i| (low[i]..=high[i]).contains(&p[i]));
+        bounds_of(self.moving().flat_map(|body| &body.positions_m).filter(is_near))
+            .or_else(|| self.bounds_m())
+    }
+
+    /// The room around most of the moving surfaces outside of which nothing counts as near, metres; `None` where that
+    /// cannot be told.
+    #[must_use]
+    pub fn near_limits_m(&self) -> Option<Bounds> {
+        let mut patches = self.patches();
+        // What is below all that stands fixed never comes back, as long as something is still above.
+        let underside_m =
+            bounds_of(self.bodies.iter().filter(|b| b.role == BodyRole::Fixed).flat_map(|b| &b.positions_m))
+                .map_or(f32::NEG_INFINITY, |(low, _)| low[2]);
+        let area_m2 = |patches: &[Patch]| patches.iter().map(|patch| patch.area_m2).sum::<f64>();
+        let all_m2 = area_m2(&patches);
+        let above: Vec<Patch> =
+            patches.iter().copied().filter(|patch| patch.middle_m[2] >= underside_m).collect();
+        let has_floor = !self.is_weightless && area_m2(&above) > LEAST_SHARE_ABOVE * all_m2;
+        if has_floor {
+            patches = above;
+        }
+        let core = [0, 1, 2].map(|axis| core_along(&mut patches, axis));
+        let [x, y, z] = [core[0]?, core[1]?, core[2]?];
+        let size_m = [x, y, z].iter().fold(0.0_f32, |most, [low, high]| most.max(high - low));
+        let reach_m = REACH_SIZES * size_m;
+        let mut low = [x, y, z].map(|[low, _]| low - reach_m);
+        if has_floor {
+            low[2] = low[2].max(underside_m - BELOW_SIZES * size_m);
+        }
+        (size_m > 0.0).then(|| (low, [x, y, z].map(|[_, high]| high + reach_m)))
+    }
+
+    fn moving(&self) -> impl Iterator<Item = &BodyFrame> {
+        self.bodies.iter().filter(|body| body.role != BodyRole::Fixed)
+    }
+
+    /// Triangles of the moving bodies, or evenly chosen ones where there are many.
+    fn patches(&self) -> Vec<Patch> {
+        let count: usize = self.moving().map(|body| body.surface.triangles.len()).sum();
+        let triangles = self.moving().flat_map(|body| body.surface.triangles.iter().map(move |t| (body, t)));
+        triangles
+            .step_by(count.div_ceil(MOST_PATCHES).max(1))
+            .filter_map(|(body, t)| body.patch(*t))
+            .collect()
+    }
+}
+
+/// Smallest and largest coordinates, metres.
+pub type Bounds = ([f32; 3], [f32; 3]);
+
+/// Share of the surface that may lie beyond each end of the core of a scene.
+const CORE_TAIL: f64 = 0.1;
+/// What is farther from the core than this many times its longest side has left the scene.
+const REACH_SIZES: f32 = 2.5;
+/// The same, for what is below the undersides of all fixed bodies.
+const BELOW_SIZES: f32 = 0.5;
+/// Share of the surface that must still be above the lowest fixed body for the rest to count as fallen off.
+const LEAST_SHARE_ABOVE: f64 = 0.1;
+/// Enough for tenths of a surface.
+const MOST_PATCHES: usize = 1024;
+
+/// A triangle of a surface, as far as its weight and place go.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    middle_m: [f32; 3],
+    area_m2: f64,
+}
+
+impl BodyFrame {
+    fn patch(&self, triangle: [u32; 3]) -> Option<Patch> {
+        let [a, b, c] = triangle.map(|corner| self.positions_m.get(corner as usize).copied());
+        let [a, b, c] = [Vec3::from(a?), Vec3::from(b?), Vec3::from(c?)];
+        let area_m2 = f64::from(0.5 * (b - a).cross(c - a).length());
+        (area_m2.is_finite() && area_m2 > 0.0)
+            .then(|| Patch { middle_m: ((a + b + c) / 3.0).to_array(), area_m2 })
+    }
+}
+
+/// Between which coordinates all but a tail of the surface lies.
+fn core_along(patches: &mut [Patch], axis: usize) -> Option<[f32; 2]> {
+    patches.sort_unstable_by(|a, b| a.middle_m[axis].total_cmp(&b.middle_m[axis]));
+    let tail_m2 = CORE_TAIL * patches.iter().map(|patch| patch.area_m2).sum::<f64>();
+    let [first, last] =
+        [end_along(patches.iter(), axis, tail_m2), end_along(patches.iter().rev(), axis, tail_m2)];
+    Some([first?, last?])
+}
+
+/// Where, passing along the surface, the tail is over.
+fn end_along<'a>(mut patches: impl Iterator<Item = &'a Patch>, axis: usize, tail_m2: f64) -> Option<f32> {
+    let mut passed_m2 = 0.0;
+    let is_core = |patch: &&Patch| {
+        passed_m2 += patch.area_m2;
+        passed_m2 >= tail_m2
+    };
+    patches.find(is_core).map(|patch| patch.middle_m[axis])
 }
 
 /// What the surface colours mean.
@@ -347,8 +450,8 @@ impl FromStr for ColorBy {
     }
 }
 
-fn bounds_of<'a>(bodies: impl Iterator<Item = &'a BodyFrame>) -> Option<([f32; 3], [f32; 3])> {
-    bodies.flat_map(|b| &b.positions_m).fold(None, |bounds, p| {
+fn bounds_of<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> Option<Bounds> {
+    points.fold(None, |bounds, p| {
         let (low, high) = bounds.unwrap_or((*p, *p));
         Some((std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))))
     })
@@ -364,6 +467,52 @@ mod tests {
             assert_eq!(choice.name().parse(), Ok(choice));
         }
         assert_eq!("Von Mises".parse(), Ok(ColorBy::VonMises));
+    }
+
+    /// A level square of 1 m, in 50 triangles.
+    fn square(role: BodyRole, [x, y, z]: [f32; 3]) -> BodyFrame {
+        let at = |k: u32| [x + 0.2 * (k % 6) as f32, y + 0.2 * (k / 6) as f32, z];
+        let cells = (0..25).map(|k| k + k / 5);
+        let triangles = cells.flat_map(|k| [[k, k + 1, k + 7], [k, k + 7, k + 6]]).collect();
+        BodyFrame {
+            role,
+            positions_m: (0..36).map(at).collect(),
+            surface: Arc::new(SurfaceTopology { triangles, ..SurfaceTopology::default() }),
+            ..BodyFrame::default()
+        }
+    }
+
+    #[test]
+    fn what_has_left_the_scene_is_not_near() {
+        let shard = |at: [f32; 3]| BodyFrame {
+            positions_m: [[0.0; 3], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0]]
+                .map(|p| [p[0] + at[0], p[1] + at[1], p[2] + at[2]])
+                .to_vec(),
+            surface: Arc::new(SurfaceTopology { triangles: vec![[0, 1, 2]], ..SurfaceTopology::default() }),
+            ..BodyFrame::default()
+        };
+        let ground = square(BodyRole::Fixed, [0.0; 3]);
+        let plate = square(BodyRole::Deformable, [0.0, 0.0, 0.1]);
+        let near = |bodies: Vec<BodyFrame>| Frame { bodies, ..Frame::default() }.near_bounds_m().unwrap();
+        let frame = |shards: Vec<BodyFrame>| {
+            near([ground.clone(), plate.clone()].into_iter().chain(shards).collect())
+        };
+        let whole = ([0.0, 0.0, 0.1], [1.0, 1.0, 0.1]);
+        assert_eq!(frame(vec![]), whole);
+        // Fallen off, and flown away.
+        assert_eq!(frame(vec![shard([0.5, 0.5, -40.0]), shard([90.0, 0.5, 3.0])]), whole);
+        // One that is still about, and a coarse plate that is larger than what is fine on it.
+        assert_eq!(frame(vec![shard([0.5, 0.5, 1.2])]).1[2], 1.2);
+        assert_eq!(frame((0..300).map(|_| shard([0.5, 0.5, 0.1])).collect()), whole);
+        // Most of it has fallen off, and is far below what is left; then all of it.
+        let halves = |count: usize| (0..count).map(|_| square(BodyRole::Deformable, [0.0, 0.0, -30.0]));
+        assert_eq!(frame(halves(4).collect()), whole);
+        let below = near(std::iter::once(ground.clone()).chain(halves(2)).collect());
+        assert_eq!(below, ([0.0, 0.0, -30.0], [1.0, 1.0, -30.0]));
+        // Points alone, and broken numbers.
+        let points = BodyFrame { positions_m: vec![[0.0; 3], [500.0, 0.0, 0.0]], ..BodyFrame::default() };
+        assert_eq!(near(vec![points]).1[0], 500.0);
+        assert_eq!(frame(vec![shard([f32::NAN; 3])]), whole);
     }
 
     #[test]

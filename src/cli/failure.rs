@@ -2,6 +2,7 @@
 
 use crate::export::ExportError;
 use crate::sim::SimError;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
@@ -75,7 +76,21 @@ impl From<ExportError> for Failure {
 pub fn report_usage(error: &clap::Error) -> ExitCode {
     // Fails only when nobody reads any more.
     let _ = error.print();
+    if let Some(state) = unexpected_state(error) {
+        let _ = writeln!(
+            io::stderr(),
+            "\n  tip: a state of the window follows --panels with an equals sign: --panels={state}"
+        );
+    }
     ExitCode::from(if error.use_stderr() { STATUS_BAD_INPUT } else { 0 })
+}
+
+/// The state in `--panels element`, which is read as one argument too many.
+fn unexpected_state(error: &clap::Error) -> Option<&str> {
+    const STATES: [&str; 5] = ["scene", "gallery", "plots", "element", "help"];
+    let context = error.get(ContextKind::InvalidArg).filter(|_| error.kind() == ErrorKind::UnknownArgument);
+    let Some(ContextValue::String(argument)) = context else { return None };
+    Some(argument.as_str()).filter(|argument| STATES.contains(argument))
 }
 
 /// Makes a panic say that it is our mistake, in words instead of a dump.

@@ -1,8 +1,9 @@
 //! What `render` can look at more closely: `--cut`, `--crosses`, `--color-range`.
 
 use super::failure::Failure;
-use crate::frame::{ColorBy, Frame};
-use crate::render::{Cut, Range, look_inside, parse_with_unit};
+use crate::frame::{BodyRole, ColorBy, Frame};
+use crate::render::{Cut, Range, look_inside, parse_with_unit, with_unit};
+use crate::scene::description::CutPlane;
 use glam::Vec3;
 
 /// A cutting plane as it was asked for.
@@ -12,6 +13,14 @@ pub struct CutChoice {
     normal: Vec3,
     /// Place along the direction, m; `None`: the middle of the bodies at the first picture.
     position_m: Option<f32>,
+}
+
+impl CutChoice {
+    /// The one that a scene is recorded with; `None` for a direction beyond single precision.
+    pub fn of_scene(plane: &CutPlane) -> Option<Self> {
+        let normal = plane.across.normalize_or_zero().as_vec3().try_normalize()?;
+        Some(Self { normal, position_m: plane.at_m.map(|at_m| at_m as f32) })
+    }
 }
 
 /// Reads `x`, `-y`, `1,0,2`, each perhaps with `=POSITION`.
@@ -72,8 +81,13 @@ pub fn color_range(text: &str, color_by: ColorBy) -> Result<Range, Failure> {
         Some((parse_with_unit(low, unit)?, parse_with_unit(high, unit)?))
     });
     let Some((low, high)) = ends else {
-        let example = if color_by.unit() == "Pa" { "0..2MPa" } else { "0..1.5" };
-        return Err(refused(format!("expected MIN..MAX, for example {example}")));
+        let (unit, example) = match color_by.unit() {
+            "" => (String::new(), "0..1.5".to_owned()),
+            "Pa" => (" in Pa, kPa, MPa or GPa".to_owned(), "0..2MPa".to_owned()),
+            unit => (format!(" in {unit}"), format!("0..1.5{unit}")),
+        };
+        let field = color_by.name();
+        return Err(refused(format!("{field} wants MIN..MAX{unit}, for example {example}")));
     };
     Range::chosen(low, high).map_err(|reason| refused(reason.to_owned()))
 }
@@ -85,12 +99,16 @@ pub struct Looking {
     with_crosses: bool,
     /// The plane, once its place is known.
     plane: Option<Cut>,
+    /// Between which places along the plane's direction moving bodies have been, m.
+    reached_m: Option<[f32; 2]>,
+    /// Whether the plane has gone through one of them.
+    has_cut: bool,
 }
 
 impl Looking {
     /// With a cutting plane, stress crosses, both or nothing.
     pub fn new(cut: Option<CutChoice>, with_crosses: bool) -> Self {
-        Self { cut, with_crosses, plane: None }
+        Self { cut, with_crosses, ..Self::default() }
     }
 
     /// Whether frames must come with what is inside.
@@ -109,13 +127,44 @@ impl Looking {
                 Cut::new(cut.normal, cut.position_m.unwrap_or_else(middle))
             });
         }
+        if let Some(plane) = self.plane {
+            self.note_cut(&frame, &plane);
+        }
         look_inside(&frame, self.plane.as_ref(), self.with_crosses)
+    }
+
+    fn note_cut(&mut self, frame: &Frame, plane: &Cut) {
+        for body in frame.bodies.iter().filter(|body| body.role != BodyRole::Fixed) {
+            let places = body.positions_m.iter().map(|point| plane.beyond_m(*point));
+            let places = places.filter(|beyond_m| beyond_m.is_finite());
+            let Some([low, high]) = places.map(|m| [m, m]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+            else {
+                continue;
+            };
+            self.has_cut |= low <= 0.0 && high >= 0.0;
+            let [known_low, known_high] = self.reached_m.unwrap_or([low, high]);
+            self.reached_m = Some([known_low.min(low), known_high.max(high)]);
+        }
+    }
+
+    /// What is odd about a cut that never cut anything.
+    pub fn doubt(&self) -> Option<String> {
+        let ([low, high], plane) = self.reached_m.zip(self.plane).filter(|_| !self.has_cut)?;
+        let place = |beyond_m: f32| with_unit(f64::from(beyond_m + plane.position_m), "m");
+        Some(format!(
+            "`--cut` goes through no body that moves: the plane is at {}, the bodies are between {} and {} along its \
+             direction",
+            place(0.0),
+            place(low),
+            place(high)
+        ))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::BodyFrame;
 
     #[test]
     fn cuts_are_read_with_and_without_a_place() {
@@ -140,7 +189,32 @@ mod tests {
             let refused = range(text).unwrap_err();
             assert!(matches!(refused, Failure::BadInput(words) if words.contains("--color-range")), "{text}");
         }
+        let refused = color_range("0..2MPa", ColorBy::Speed).unwrap_err();
+        assert!(
+            matches!(refused, Failure::BadInput(words) if words.contains("speed wants MIN..MAX in m/s, for example 0..1.5m/s"))
+        );
         let refused = color_range("0..1", ColorBy::Body).unwrap_err();
         assert!(matches!(refused, Failure::BadInput(words) if words.contains("--color-by")));
+    }
+
+    #[test]
+    fn a_cut_beside_everything_is_doubted() {
+        let ball = |x: f32| Frame {
+            bodies: vec![BodyFrame {
+                positions_m: vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0]],
+                ..Default::default()
+            }],
+            ..Frame::default()
+        };
+        let look = |text: &str, xs: &[f32]| {
+            let mut looking = Looking::new(Some(parse_cut(text).unwrap()), false);
+            xs.iter().for_each(|x| drop(looking.look(ball(*x))));
+            looking.doubt()
+        };
+        assert_eq!(look("x", &[0.0, 5.0]), None);
+        assert_eq!(look("x=5.5", &[0.0, 5.0]), None);
+        let doubt = look("-x=-9", &[0.0, 5.0]).unwrap();
+        assert!(doubt.contains("the plane is at −9 m, the bodies are between −6 m and 0"), "{doubt}");
+        assert_eq!(Looking::default().doubt(), None);
     }
 }

@@ -70,7 +70,8 @@ pub struct GifFile {
 }
 
 impl PictureSink {
-    /// Makes the place ready: missing folders are created, pictures of an earlier run removed.
+    /// Makes the place ready: a folder for numbered pictures is created and cleared of those of an earlier run. The
+    /// folder of a single file must be there, as for everything else that writes one.
     /// A file that is there stays until the first picture replaces it.
     ///
     /// # Errors
@@ -81,8 +82,6 @@ impl PictureSink {
             prepare_folder(path, force, console)?;
             return Ok(Self::Folder { folder: path.to_owned(), next: 0 });
         }
-        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-        parent.map_or(Ok(()), create_folder).map_err(|error| Failure::from(error).before_the_run())?;
         check_writable(path)?;
         let path = path.to_owned();
         Ok(match kind {
@@ -139,7 +138,7 @@ impl PictureSink {
 }
 
 /// Finds out before the simulation whether the picture can be written after it.
-fn check_writable(path: &Path) -> Result<(), Failure> {
+pub fn check_writable(path: &Path) -> Result<(), Failure> {
     let trial = partial_name(path);
     std::fs::write(&trial, b"")
         .and_then(|()| std::fs::remove_file(&trial))

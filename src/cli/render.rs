@@ -8,7 +8,7 @@ use super::console::{Console, seconds};
 use super::failure::Failure;
 use super::interrupt;
 use super::looking::{CutChoice, parse_cut};
-use super::picture_output::{OutputKind, PictureSink};
+use super::picture_output::{OutputKind, PictureSink, check_writable};
 use super::scene_source;
 use super::shot::{Shot, Studio};
 use super::stepping::{self, Arrival};
@@ -165,6 +165,7 @@ fn draw_window(
             "`--panels` draws the window at one moment; name the output something.png".to_owned(),
         ));
     }
+    check_writable(&args.output)?;
     let size_px = args.size.map_or(WINDOW_PX, |size| [size.width, size.height]);
     let at_s = args.at.or(args.duration).unwrap_or(duration_s);
     let camera = args.camera.as_deref().map(str::parse).transpose();
@@ -214,6 +215,9 @@ fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Film, Result<
         let frame = if looking.needs_interior() { world.publish_with_interior() } else { world.publish() };
         film.framing.include(&frame);
         film.frames.push(looking.look(frame));
+    }
+    if let Some(doubt) = looking.doubt() {
+        console.note(format_args!("warning: {doubt}"));
     }
     (film, Ok(Arrival::Reached))
 }

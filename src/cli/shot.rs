@@ -1,7 +1,7 @@
 //! What `render` shows: which moments, from where, in which colours.
 
 use super::failure::Failure;
-use super::looking::{Looking, color_range};
+use super::looking::{CutChoice, Looking, color_range};
 use super::picture_output::OutputKind;
 use super::render::RenderArgs;
 use crate::frame::{ColorBy, Frame};
@@ -100,12 +100,17 @@ impl Shot {
         };
         let color_by = args.color_by.unwrap_or(recording.color_by);
         let range = args.color_range.as_deref().map(|text| color_range(text, color_by)).transpose()?;
+        // What the scene says is meant for its own field.
+        let own_range = recording.color_range.filter(|_| color_by == recording.color_by);
+        let range = range.or(own_range.and_then(|[low, high]| Range::chosen(low, high).ok()));
+        let range = range.filter(|_| color_by.has_values());
+        let cut = args.cut.or(recording.cut.as_ref().and_then(CutChoice::of_scene));
         Ok(Self {
             moments,
             camera: choose_camera(args.camera.as_deref(), scene)?,
             color_by,
             range,
-            looking: Looking::new(args.cut, args.crosses),
+            looking: Looking::new(cut, args.crosses || recording.crosses),
             wireframe: args.wireframe,
             is_dark: args.dark,
             caption: (!args.no_caption).then_some(caption),
@@ -139,6 +144,7 @@ impl Shot {
             view: View {
                 color_by: self.color_by,
                 range: self.range.or_else(own_range),
+                is_range_chosen: self.range.is_some(),
                 cross_scale_pa: cross_scale_pa(frames),
                 wireframe: self.wireframe,
                 ground: framing.floor().map_or(Ground::Hidden, Ground::At),

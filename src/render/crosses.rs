@@ -27,7 +27,7 @@ pub(crate) const COMPRESSION_SRGB: [f32; 3] = [0.10, 0.38, 0.92];
 #[must_use]
 pub fn look_inside(frame: &Frame, cut: Option<&Cut>, with_crosses: bool) -> Frame {
     let room_m = frame
-        .bounds_m()
+        .near_bounds_m()
         .map_or(0.0, |(low, high)| ROOM_SHARE * (Vec3::from(high) - Vec3::from(low)).length());
     let mut seen = Frame { crosses: Vec::new(), ..frame.clone() };
     for body in seen.bodies.iter_mut().filter(|body| body.role != BodyRole::Fixed) {

@@ -40,6 +40,8 @@ pub struct Framing {
     extremes: Vec<Vec3>,
     fixed: Vec<FixedBody>,
     is_weightless: bool,
+    /// Moving points outside of it are left out.
+    limits: Option<Bounds>,
 }
 
 /// A fixed body and whether it can serve as the ground.
@@ -59,6 +61,15 @@ impl Framing {
         framing
     }
 
+    /// The space of what matters in one frame: without what has flown or fallen far off.
+    #[must_use]
+    pub fn of_near(frame: &Frame) -> Self {
+        let limits = frame.near_limits_m().map(|(low, high)| (Vec3::from(low), Vec3::from(high)));
+        let mut framing = Self { limits, ..Self::default() };
+        framing.include(frame);
+        framing
+    }
+
     /// Takes in a further frame, later than all before.
     pub fn include(&mut self, frame: &Frame) {
         self.fixed = fixed_bodies(frame);
@@ -67,7 +78,9 @@ impl Framing {
             .bodies
             .iter()
             .filter(|body| body.role != BodyRole::Fixed)
-            .filter_map(bounds_of)
+            .flat_map(points_of)
+            .filter(|point| self.is_within_limits(*point))
+            .map(|point| (point, point))
             .reduce(union);
         self.last_moving = moving.or(self.last_moving);
         self.first_size_m = self.first_size_m.or(moving.map(longest_side));
@@ -75,9 +88,14 @@ impl Framing {
         self.include_extremes(frame);
     }
 
+    fn is_within_limits(&self, point: Vec3) -> bool {
+        self.limits.is_none_or(|(low, high)| point.cmpge(low).all() && point.cmple(high).all())
+    }
+
     fn include_extremes(&mut self, frame: &Frame) {
         let bodies = frame.bodies.iter().filter(|b| b.role != BodyRole::Fixed);
-        let points = bodies.flat_map(points_of).chain(self.extremes.clone());
+        let near = bodies.flat_map(points_of).filter(|point| self.is_within_limits(*point));
+        let points = near.chain(self.extremes.clone());
         let mut best: Vec<(f32, Vec3)> = Vec::new();
         for point in points {
             if best.is_empty() {

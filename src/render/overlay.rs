@@ -16,6 +16,8 @@ const TEXT_SIZE: f32 = 13.0;
 /// Width of the colour bar, points, and its height as a share of the picture's.
 const BAR_WIDTH: f32 = 12.0;
 const BAR_SHARE: f32 = 0.38;
+/// Length of the point at an end of the bar that stands for all values beyond, points.
+const POINT_LENGTH: f32 = 9.0;
 /// A picture smaller than this, points, would be all legend.
 const SMALLEST_WITH_LEGEND: [f32; 2] = [200.0, 120.0];
 /// Steps of the colour bar; each is drawn as a blend between two colours of the map.
@@ -118,7 +120,7 @@ fn draw(painter: &Painter, area: Rect, content: &OverlayContent<'_>) {
     let theme = Theme::of(content.view.background);
     let has_room = area.width() > SMALLEST_WITH_LEGEND[0] && area.height() > SMALLEST_WITH_LEGEND[1];
     if let (true, Some(range)) = (content.view.legend && has_room, content.range) {
-        draw_legend(painter, area, content.view.color_by, range, &theme);
+        draw_legend(painter, area, content.view, range, &theme);
     }
     if let (true, Some(scale_pa)) = (content.view.legend && has_room, content.cross_scale_pa) {
         draw_cross_legend(painter, area, scale_pa, &theme);
@@ -172,7 +174,8 @@ fn draw_caption(painter: &Painter, area: Rect, lines: &[String], theme: &Theme) 
     }
 }
 
-fn draw_legend(painter: &Painter, area: Rect, color_by: ColorBy, range: Range, theme: &Theme) {
+fn draw_legend(painter: &Painter, area: Rect, view: &View, range: Range, theme: &Theme) {
+    let color_by = view.color_by;
     let size = f64::from(range.low.abs().max(range.high.abs()));
     // What has no unit has no prefix either: a failure index of 0.2 is not 200 thousandths.
     let (factor, unit) = match color_by.unit() {
@@ -186,11 +189,26 @@ fn draw_legend(painter: &Painter, area: Rect, color_by: ColorBy, range: Range, t
     let corner = area.right_top() + vec2(-MARGIN, MARGIN);
     let font = FontId::proportional(TITLE_SIZE);
     let drawn = painter.text(corner, Align2::RIGHT_TOP, title, font, rgb(theme.text_srgb));
+    let [is_open_below, is_open_above] = view.open_ends(range);
     let bar = Rect::from_min_size(
-        pos2(corner.x - BAR_WIDTH, drawn.bottom() + 10.0),
+        pos2(corner.x - BAR_WIDTH, drawn.bottom() + 10.0 + if is_open_above { POINT_LENGTH } else { 0.0 }),
         vec2(BAR_WIDTH, (area.height() * BAR_SHARE).max(40.0)),
     );
     draw_bar(painter, bar, map_of(color_by), theme);
+    for (is_open, position, end) in [
+        (
+            is_open_below,
+            0.0,
+            [bar.left_bottom(), bar.right_bottom(), bar.center_bottom() + vec2(0.0, POINT_LENGTH)],
+        ),
+        (is_open_above, 1.0, [bar.left_top(), bar.right_top(), bar.center_top() - vec2(0.0, POINT_LENGTH)]),
+    ] {
+        if is_open {
+            let [r, g, b] = map_of(color_by).srgb(position).map(crate::render::color_map::to_byte);
+            let stroke = Stroke::new(1.0, rgb(theme.faint_text_srgb).gamma_multiply(0.6));
+            painter.add(egui::Shape::convex_polygon(end.to_vec(), Color32::from_rgb(r, g, b), stroke));
+        }
+    }
     for tick in range.ticks() {
         let y = bar.bottom() - range.position(tick) * bar.height();
         let text = short(f64::from(tick) / factor);

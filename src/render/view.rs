@@ -45,6 +45,8 @@ pub struct View {
     pub color_by: ColorBy,
     /// Values at the ends of the colour map, in the field's unit; `None` takes the frame's own.
     pub range: Option<Range>,
+    /// Whether somebody chose the range, so that values may lie beyond it; the legend then says so.
+    pub is_range_chosen: bool,
     /// Stress of the longest line of the stress crosses, Pa; `None` takes the frame's own.
     pub cross_scale_pa: Option<f32>,
     /// Whether the edges of the elements are drawn.
@@ -66,6 +68,7 @@ impl Default for View {
         Self {
             color_by: ColorBy::default(),
             range: None,
+            is_range_chosen: false,
             cross_scale_pa: None,
             wireframe: false,
             ground: Ground::default(),
@@ -83,6 +86,11 @@ impl View {
     pub fn for_size([width, height]: [u32; 2]) -> Self {
         let relative = (width as f32 / 960.0).min(height as f32 / 540.0);
         Self { pixels_per_point: relative.clamp(0.6, 8.0), ..Self::default() }
+    }
+
+    /// Whether values may lie below and above the range: no size lies below zero.
+    pub(crate) fn open_ends(&self, range: Range) -> [bool; 2] {
+        [self.is_range_chosen && (self.color_by.is_signed() || range.low > 0.0), self.is_range_chosen]
     }
 
     /// The range of values to use for `frame`: the fixed one, or the frame's own; `None` for
@@ -108,6 +116,17 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_a_chosen_range_leaves_values_out() {
+        let ends = |is_range_chosen, color_by, low| {
+            View { is_range_chosen, color_by, ..View::default() }.open_ends(Range { low, high: 2.0 })
+        };
+        assert_eq!(ends(false, ColorBy::Speed, 0.0), [false, false]);
+        assert_eq!(ends(true, ColorBy::Speed, 0.0), [false, true]);
+        assert_eq!(ends(true, ColorBy::Speed, 1.0), [true, true]);
+        assert_eq!(ends(true, ColorBy::MeanStress, 0.0), [true, true]);
+    }
 
     #[test]
     fn text_grows_with_the_picture() {

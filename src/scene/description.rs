@@ -290,4 +290,19 @@ pub struct Recording {
     pub camera: Option<String>,
     /// Time between rows of the history, s; 0 for every step.
     pub history_every_s: f64,
+    /// Ends of the colours, in the unit of what they mean; `None`: found from the values.
+    pub color_range: Option<[f64; 2]>,
+    /// The plane by which bodies are shown cut open.
+    pub cut: Option<CutPlane>,
+    /// Whether principal stresses are drawn as crosses.
+    pub crosses: bool,
+}
+
+/// A plane by which bodies are shown cut open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutPlane {
+    /// What lies in this direction is left out; not zero.
+    pub across: DVec3,
+    /// Where the plane is along the direction, m; `None`: in the middle of the bodies.
+    pub at_m: Option<f64>,
 }

@@ -73,7 +73,27 @@ impl Findings {
     }
 }
 
+/// Words that people try for a moment or a place, and what the tables call it. The longer lists first.
+const OTHER_WORDS: [(&[&str], &[&str]); 4] = [
+    (&["at"], &["position", "enters"]),
+    (&["time", "t", "when", "start", "begin", "from", "at"], &["at", "path"]),
+    (&["time", "t", "when", "start", "begin", "at"], &["enters"]),
+    (&["at", "t", "when"], &["time"]),
+];
+
 impl Stranger {
+    /// What the table calls something that goes by another word elsewhere.
+    fn names_for_it(&self) -> Option<String> {
+        let fits = |(words, names): &&(&[&str], &[&str])| {
+            let is_known = |name: &&&str| self.known.contains(name);
+            words.contains(&self.key.as_str()) && names.iter().any(|name| is_known(&name))
+        };
+        let (_, names) = OTHER_WORDS.iter().find(fits)?;
+        let names = names.iter().filter(|name| self.known.contains(name));
+        let quoted: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+        Some(quoted.join(" or "))
+    }
+
     fn in_words(&self, asked: &BTreeSet<(String, &'static str)>) -> String {
         let place = if self.table.is_empty() {
             "at the top of the scene".to_owned()
@@ -81,6 +101,9 @@ impl Stranger {
             format!("in `{}`", self.table)
         };
         let key = &self.key;
+        if let Some(names) = self.names_for_it() {
+            return format!("unknown key `{key}` {place}; did you mean {names}?");
+        }
         if let Some(name) = nearest(key, self.known.iter().copied()) {
             return format!("unknown key `{key}` {place}; did you mean `{name}`?");
         }

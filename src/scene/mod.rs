@@ -14,6 +14,7 @@ mod build;
 pub mod description;
 mod document;
 mod findings;
+mod idle;
 mod late;
 mod library;
 mod overlap;
@@ -166,7 +167,9 @@ impl Scene {
         if !problems.is_empty() {
             return Err(document.invalid(problems));
         }
-        let doubts = document.problems(located(&document, plausible::doubts(&description)));
+        let mut doubts = plausible::doubts(&description);
+        doubts.extend(idle::doubts(&description));
+        let doubts = document.problems(located(&document, doubts));
         Ok(Self {
             name: short_name(document.label()),
             warnings: doubts.iter().map(|doubt| doubt.in_scene(document.label())).collect(),

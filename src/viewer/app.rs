@@ -9,7 +9,7 @@ use super::player::Player;
 use super::recording::Recording;
 use super::saving::{self, GIF_FPS, Job, MOST_PICTURES, Saver, Shot};
 use super::simulation::Simulation;
-use super::snapshot::{Command, Looked, Snapshot};
+use super::snapshot::{Command, Looked, Notice, Snapshot};
 use super::thumbnails::{Sketch, Sketcher};
 use super::ui::{self, Action};
 use crate::frame::Frame;
@@ -24,6 +24,8 @@ pub const TITLE: &str = "hammerfall";
 const LARGEST_GIF_PX: u32 = 960;
 /// How often the window looks how far saving is.
 const SAVING_LOOK: std::time::Duration = std::time::Duration::from_millis(50);
+/// How long the window says what was done, s of wall time.
+const PASSING_S: f64 = 8.0;
 /// Longest time by which the recording goes on in one frame, s of wall time.
 const LONGEST_FRAME_S: f64 = 0.1;
 
@@ -86,6 +88,10 @@ pub struct App {
     pub is_gallery: bool,
     /// Number of the notice that was dismissed last.
     dismissed: u64,
+    /// What the window itself has done.
+    said: Option<String>,
+    /// What is said for now, and when that began, s.
+    passing: Option<(String, f64)>,
     /// Where the picture goes, points.
     pub viewport: Option<Rect>,
     /// The picture of the scene, where the panels have to paint it.
@@ -122,12 +128,14 @@ pub struct SaveState {
     pub shares: Option<[f64; 2]>,
     /// How the last one came out.
     pub outcome: Option<String>,
+    /// Whether that can be read in its panel.
+    pub is_in_sight: bool,
 }
 
 impl Default for SaveState {
     fn default() -> Self {
         let here = std::env::current_dir().unwrap_or_default();
-        Self { folder: here.to_string_lossy().into_owned(), shares: None, outcome: None }
+        Self { folder: here.to_string_lossy().into_owned(), shares: None, outcome: None, is_in_sight: false }
     }
 }
 
@@ -171,6 +179,8 @@ impl App {
             panels: Panels::default(),
             is_gallery: true,
             dismissed: 0,
+            said: None,
+            passing: None,
             viewport: None,
             picture: None,
             thumbnails: vec![None; BUILTIN_SCENES.len()],
@@ -209,8 +219,51 @@ impl App {
         if let Some(trouble) = &self.trouble {
             return Some(trouble);
         }
-        let notice = self.snapshot.notice.as_ref().filter(|notice| notice.number > self.dismissed);
-        notice.map(|notice| notice.text.as_str())
+        self.session_notice().map(|notice| notice.text.as_str()).or(self.said.as_deref())
+    }
+
+    /// Whether the notice only says what was done.
+    #[must_use]
+    pub fn is_notice_passing(&self) -> bool {
+        self.trouble.is_none() && self.session_notice().is_none_or(|notice| notice.is_passing)
+    }
+
+    fn session_notice(&self) -> Option<&Notice> {
+        self.snapshot.notice.as_ref().filter(|notice| notice.number > self.dismissed)
+    }
+
+    /// What was only said goes away after some seconds.
+    fn let_notices_pass(&mut self, context: &egui::Context) {
+        let Some(text) = self.notice().filter(|_| self.is_notice_passing()) else {
+            self.passing = None;
+            return;
+        };
+        let now_s = context.input(|input| input.time);
+        let began_s = match &self.passing {
+            Some((said, began_s)) if said == text => *began_s,
+            _ => {
+                self.passing = Some((text.to_owned(), now_s));
+                now_s
+            }
+        };
+        let left_s = began_s + PASSING_S - now_s;
+        if left_s > 0.0 {
+            context.request_repaint_after(std::time::Duration::from_secs_f64(left_s));
+        } else {
+            self.dismiss_notice();
+        }
+    }
+
+    fn dismiss_notice(&mut self) {
+        self.passing = None;
+        if self.trouble.take().is_some() {
+            return;
+        }
+        if self.session_notice().is_some() {
+            self.dismissed = self.snapshot.notice.as_ref().map_or(0, |notice| notice.number);
+        } else {
+            self.said = None;
+        }
     }
 
     /// What is shown: the recorded moment looked at, or the present.
@@ -287,11 +340,16 @@ impl App {
         self.take_news();
         self.play_recording(ui.ctx());
         self.look_after_saving(ui.ctx());
+        self.let_notices_pass(ui.ctx());
         let mut actions = std::mem::take(&mut self.actions);
         ui::style::choose_theme(ui.ctx(), self.look.is_dark);
-        ui::keys::read(ui.ctx(), self.is_gallery, self.panels.help, &mut actions);
+        ui::keys::read(ui.ctx(), self, &mut actions);
         ui::show(ui, self, &mut actions);
         for action in actions.drain(..) {
+            // Something else is done: what was said about the last thing has been read.
+            if self.is_notice_passing() && action.is_another_deed() {
+                self.dismiss_notice();
+            }
             self.act(action);
         }
         self.actions = actions;
@@ -477,7 +535,12 @@ impl App {
     /// Tells how saving came out. A failure stays until it is closed.
     fn look_after_saving(&mut self, context: &egui::Context) {
         match self.saver.finished() {
-            Some(Ok(text)) => self.save.outcome = Some(text),
+            Some(Ok(text)) => {
+                if !self.save.is_in_sight {
+                    self.said = Some(in_a_sentence(&text));
+                }
+                self.save.outcome = Some(text);
+            }
             Some(Err(reason)) => {
                 self.save.outcome = None;
                 self.trouble = Some(format!("Not saved: {reason}"));
@@ -548,6 +611,7 @@ impl App {
                 self.aim.is_armed = !self.aim.is_armed;
                 self.aim.drag = None;
             }
+            Action::StopAiming => (self.aim.is_armed, self.aim.drag) = (false, None),
             Action::LookAt(time_s) => self.look_back(|player, _| player.go_to(time_s)),
             Action::StepRecorded(by) => self.look_back(|player, recording| player.step(recording, by)),
             Action::Replay => self.look_back(|player, recording| player.toggle(recording)),
@@ -577,10 +641,7 @@ impl App {
             Action::ToggleHelp => self.panels.help = !self.panels.help,
             Action::Save(kind) => self.save(kind),
             Action::CancelSaving => self.saver.cancel(),
-            Action::DismissNotice if self.trouble.is_some() => self.trouble = None,
-            Action::DismissNotice => {
-                self.dismissed = self.snapshot.notice.as_ref().map_or(0, |notice| notice.number);
-            }
+            Action::DismissNotice => self.dismiss_notice(),
         }
     }
 
@@ -596,4 +657,10 @@ impl App {
             self.simulation.send(Command::Reset { overrides: self.edits.overrides(base), keep });
         }
     }
+}
+
+fn in_a_sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}", letters.as_str())
 }

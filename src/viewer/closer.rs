@@ -3,6 +3,7 @@
 use super::exploded::exploded;
 use crate::frame::{ColorBy, Frame};
 use crate::render::{Cut, Range, look_inside, parse_with_unit, with_unit};
+use crate::scene::description::Recording;
 use glam::Vec3;
 
 /// Smallest and largest coordinates, m.
@@ -56,10 +57,29 @@ impl Closer {
         self.take_in(frame);
     }
 
+    /// Looks inside as a scene is recorded.
+    pub fn look_as(&mut self, recording: &Recording, now: &Frame) {
+        self.with_crosses = recording.crosses;
+        let Some(plane) = &recording.cut else { return };
+        let Some(across) = plane.across.normalize_or_zero().as_vec3().try_normalize() else { return };
+        let along = [(CutDirection::X, Vec3::X), (CutDirection::Y, Vec3::Y), (CutDirection::Z, Vec3::Z)];
+        let axis = along.into_iter().find(|(_, axis)| across.dot(*axis).abs() > 1.0 - 1e-6);
+        let is_flipped = axis.is_some_and(|(_, axis)| across.dot(axis) < 0.0);
+        (self.direction, self.is_flipped) =
+            (axis.map_or(CutDirection::Free, |(direction, _)| direction), is_flipped);
+        self.azimuth_deg = across.y.atan2(across.x).to_degrees();
+        self.elevation_deg = across.z.clamp(-1.0, 1.0).asin().to_degrees();
+        self.is_cut = false;
+        self.toggle_cut(now);
+        if let Some(at_m) = plane.at_m {
+            self.position_m = if is_flipped { -at_m as f32 } else { at_m as f32 };
+        }
+    }
+
     /// Makes the slider reach all of a frame.
     pub fn take_in(&mut self, frame: &Frame) {
         let Some((low, high)) =
-            frame.bounds_m().filter(|(low, high)| low.iter().chain(high).all(|x| x.is_finite()))
+            frame.near_bounds_m().filter(|(low, high)| low.iter().chain(high).all(|x| x.is_finite()))
         else {
             return;
         };
@@ -100,7 +120,7 @@ impl Closer {
     pub fn toggle_cut(&mut self, now: &Frame) {
         self.is_cut = !self.is_cut;
         if self.is_cut {
-            self.position_m = Cut::middle_m(self.normal(), now.bounds_m().unwrap_or_default());
+            self.position_m = Cut::middle_m(self.normal(), now.near_bounds_m().unwrap_or_default());
         }
     }
 
@@ -173,6 +193,17 @@ impl TypedRange {
         *self = Self { is_on: true, low: text(range.low), high: text(range.high) };
     }
 
+    /// As a scene is recorded.
+    #[must_use]
+    pub fn of_scene(recording: &Recording) -> Self {
+        let text = |value: f64| with_unit(value, recording.color_by.unit());
+        recording.color_range.map_or_else(Self::default, |[low, high]| Self {
+            is_on: true,
+            low: text(low),
+            high: text(high),
+        })
+    }
+
     /// The range; `None` when colours find their own.
     ///
     /// # Errors
@@ -198,6 +229,8 @@ impl TypedRange {
 mod tests {
     use super::*;
     use crate::frame::BodyFrame;
+    use crate::scene::description::CutPlane;
+    use glam::DVec3;
 
     #[test]
     fn the_plane_goes_through_the_middle_and_flips() {
@@ -216,6 +249,30 @@ mod tests {
         assert!((closer.normal() - Vec3::Z).length() < 1e-6);
         closer.center();
         assert!((closer.position_m - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_plane_that_was_recorded_comes_back() {
+        let positions_m = vec![[0.0, -1.0, 0.0], [2.0, 3.0, 1.0]];
+        let frame =
+            Frame { bodies: vec![BodyFrame { positions_m, ..Default::default() }], ..Default::default() };
+        for across in [DVec3::X, DVec3::NEG_Y, DVec3::new(0.0, 0.0, 3.0), DVec3::new(1.0, -2.0, 0.5)] {
+            let recording = Recording { cut: Some(CutPlane { across, at_m: Some(0.25) }), ..recording() };
+            let mut closer = Closer::default();
+            closer.open(&frame);
+            closer.look_as(&recording, &frame);
+            let cut = closer.cut().unwrap();
+            let wanted = across.normalize().as_vec3();
+            assert!((cut.normal - wanted).length() < 1e-5 && cut.position_m == 0.25, "{cut:?}");
+        }
+        let middle = Recording { cut: Some(CutPlane { across: DVec3::Y, at_m: None }), ..recording() };
+        let mut closer = Closer::default();
+        closer.look_as(&middle, &frame);
+        assert_eq!(closer.position_m, 1.0);
+    }
+
+    fn recording() -> Recording {
+        crate::scene::Scene::load("bounce", &[]).unwrap().description.recording
     }
 
     #[test]

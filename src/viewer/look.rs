@@ -60,6 +60,10 @@ impl Look {
         self.typed_range = TypedRange::default();
         self.explode = 0.0;
         self.closer.open(&snapshot.frame);
+        if let Some(scene) = &snapshot.scene {
+            self.typed_range = TypedRange::of_scene(&scene.description.recording);
+            self.closer.look_as(&scene.description.recording, &snapshot.frame);
+        }
         self.wants_opening_camera = true;
     }
 
@@ -86,10 +90,10 @@ impl Look {
         self.camera = opening_camera(&scene.description, &Framing::of(&snapshot.frame), aspect);
     }
 
-    /// Shows everything that is there now, from where the camera looks. The floor comes along: what has fallen
+    /// Shows what is there now, from where the camera looks, without what has flown or fallen far off. The floor comes along: what has fallen
     /// below the one from the start would stay hidden under it.
     pub fn frame_all(&mut self, frame: &Frame, aspect: f32) {
-        let framing = Framing::of(frame);
+        let framing = Framing::of_near(frame);
         self.ground = framing.floor().map_or(Ground::Hidden, Ground::At);
         framing.fit(&mut self.camera, aspect);
     }
@@ -124,9 +128,11 @@ impl Look {
     /// The view for the renderer.
     #[must_use]
     pub fn view(&self, pixels_per_point: f32) -> View {
+        let typed = self.typed_range.range(self.color_by).ok().flatten();
         View {
             color_by: self.color_by,
-            range: self.typed_range.range(self.color_by).ok().flatten().or(self.range),
+            range: typed.or(self.range),
+            is_range_chosen: typed.is_some(),
             wireframe: self.wireframe,
             ground: self.ground,
             background: if self.is_dark { Background::Dark } else { Background::Light },

@@ -7,7 +7,8 @@ use crate::export::png::write_png;
 use crate::export::surface_mesh::{write_obj, write_ply};
 use crate::export::{ExportError, write_whole};
 use crate::frame::Frame;
-use crate::render::{Camera, Gpu, OffScreen, Picture, View};
+use crate::render::{Camera, Cut, Gpu, OffScreen, Picture, Range, View};
+use crate::scene::description::Recording;
 use crate::scene::{Scene, Shape};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -276,12 +277,36 @@ pub fn scene_text(
         format!("recording.slow_motion={:?}", 1.0 / speed.clamp(1e-9, 1.0)),
         format!("recording.color_by={}", look.color_by.name()),
     ];
+    overrides.extend(closer_look(&scene.description.recording, look));
     if seen_s > scene.description.duration_s {
         overrides.push(format!("time.duration={seen_s:?}"));
     }
     overrides.extend(whole_paths(&scene));
     let scene = scene.with_overrides(&overrides).map_err(|error| error.to_string())?;
     Ok(scene.to_toml())
+}
+
+/// The cut, the crosses and the range of the colours, where they are not what the scene says.
+fn closer_look(recording: &Recording, look: &Look) -> Vec<String> {
+    let mut overrides = Vec::new();
+    if look.closer.with_crosses != recording.crosses {
+        overrides.push(format!("recording.crosses={}", look.closer.with_crosses));
+    }
+    match look.closer.cut() {
+        Some(Cut { normal, position_m }) => {
+            let [x, y, z] = normal.to_array().map(|part| f64::from(part) + 0.0);
+            let at_m = f64::from(position_m);
+            overrides.push(format!("recording.cut={{ across = [{x:?}, {y:?}, {z:?}], at = {at_m:?} }}"));
+        }
+        None if recording.cut.is_some() => overrides.push("recording.cut=none".to_owned()),
+        None => {}
+    }
+    match look.typed_range.range(look.color_by) {
+        Ok(Some(Range { low, high })) => overrides.push(format!("recording.color_range=[{low:?}, {high:?}]")),
+        _ if recording.color_range.is_some() => overrides.push("recording.color_range=found".to_owned()),
+        _ => {}
+    }
+    overrides
 }
 
 /// Mesh files are found again wherever the scene is saved.
@@ -306,6 +331,10 @@ mod tests {
             let mut look = Look::default();
             look.color_by = crate::frame::ColorBy::VonMises;
             look.camera.distance_m = 7.5;
+            look.closer.toggle_cut(&Frame::default());
+            (look.closer.position_m, look.closer.is_flipped, look.closer.with_crosses) = (0.125, true, true);
+            look.typed_range =
+                super::super::closer::TypedRange { is_on: true, low: "-2 kPa".into(), high: "3 MPa".into() };
             let late = "[[contact_changes]]\nat = 0.1\nfriction = 0.77\n\n";
             let text = scene_text(&scene, (late, 77.0), &look, 0.01).unwrap();
             let saved = Scene::from_text("saved", &text, scene.folder(), &[]).unwrap();
@@ -320,8 +349,21 @@ mod tests {
             assert!(
                 (camera.distance_m - 7.5).abs() < 1e-5 && (camera.yaw_rad - look.camera.yaw_rad).abs() < 1e-5
             );
-            // And once more from there.
-            scene_text(&saved, ("", 1.0), &look, 0.01).unwrap();
+            // What is looked at comes back with it.
+            let snapshot = |scene: Scene| super::super::snapshot::Snapshot {
+                scene: Some(Arc::new(scene)),
+                ..Default::default()
+            };
+            let mut again = Look::default();
+            again.open(&snapshot(saved.clone()));
+            assert_eq!(again.seeing(), look.seeing());
+            assert_eq!(again.view(1.0).range, look.view(1.0).range);
+            // And once more from there, with nothing of it.
+            look.closer.toggle_cut(&Frame::default());
+            (look.closer.with_crosses, look.typed_range.is_on) = (false, false);
+            let text = scene_text(&saved, ("", 1.0), &look, 0.01).unwrap();
+            again.open(&snapshot(Scene::from_text("saved", &text, scene.folder(), &[]).unwrap()));
+            assert!(again.seeing().is_plain() && !again.typed_range.is_on);
         }
     }
 

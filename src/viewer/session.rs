@@ -206,6 +206,21 @@ impl Session {
         true
     }
 
+    /// Simulates up to a time, recording moments on the way as on a machine that is always in time; the last one is that
+    /// of the first step that reaches it. `false` when the run cannot go on.
+    pub fn simulate_to(&mut self, until_s: f64) -> bool {
+        while !is_reached(self.time_s(), until_s) {
+            let moment_s = (self.time_s() + FRAME_S * self.speed_now()).min(until_s);
+            while !is_reached(self.time_s(), moment_s) {
+                if !self.take_step(moment_s) {
+                    return false;
+                }
+            }
+            self.note_moment();
+        }
+        true
+    }
+
     /// The end of the scene, where playing pauses; infinite once it is reached, and while a body is held: then playing goes
     /// on beyond.
     fn end_ahead_s(&self) -> f64 {
@@ -258,10 +273,19 @@ impl Session {
         self.set_playing(false);
     }
 
-    /// Tells the user something.
+    /// Tells the user of something that went wrong.
     pub fn tell(&mut self, text: String) {
+        self.note(text, false);
+    }
+
+    /// Says what was done; it goes away by itself.
+    fn mention(&mut self, text: String) {
+        self.note(text, true);
+    }
+
+    fn note(&mut self, text: String, is_passing: bool) {
         self.notices += 1;
-        self.notice = Some(Notice { number: self.notices, text });
+        self.notice = Some(Notice { number: self.notices, text, is_passing });
     }
 
     fn time_s(&self) -> f64 {

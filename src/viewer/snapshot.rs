@@ -88,6 +88,8 @@ pub struct Notice {
     pub number: u64,
     /// What happened and what to do.
     pub text: String,
+    /// Whether it only says what was done, and goes away by itself.
+    pub is_passing: bool,
 }
 
 /// What a recorded moment that was looked into has to tell.

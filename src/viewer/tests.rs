@@ -392,3 +392,49 @@ fn a_typed_colour_range_is_used_and_a_wrong_one_is_told() {
     press(&mut window, "Colours find their own range");
     assert!(window.query_by_label_contains("apples").is_none());
 }
+
+#[test]
+fn escape_ends_throwing_and_what_was_said_goes_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    window.state_mut().save.folder = folder.path().to_str().unwrap().to_owned();
+    window.key_press(egui::Key::T);
+    settle(&mut window);
+    assert!(window.state().aim.is_armed);
+    window.key_press(egui::Key::Escape);
+    settle(&mut window);
+    assert!(!window.state().aim.is_armed);
+
+    // What was taken back is said for some seconds; what went wrong stays.
+    press(&mut window, "Ball");
+    window.key_press_modifiers(Modifiers::COMMAND, egui::Key::Z);
+    wait(&mut window, "the notice", |app| app.notice().is_some_and(|text| text.contains("Taken back")));
+    (0..60).for_each(|_| window.step());
+    assert_eq!(window.state().notice(), None);
+    window.state_mut().tell("It went wrong.".to_owned());
+    (0..60).for_each(|_| window.step());
+    assert_eq!(window.state().notice(), Some("It went wrong."));
+    window.key_press(egui::Key::Escape);
+    settle(&mut window);
+
+    // Saved with its panel in sight, it says so there; without, over the picture, until something else is done.
+    let save = |window: &mut Window| {
+        window.key_press_modifiers(Modifiers::COMMAND, egui::Key::S);
+        window.step();
+        wait(window, "the scene", |app| app.saver.progress().is_none());
+        window.step();
+    };
+    save(&mut window);
+    assert_eq!(window.state().notice(), None);
+    assert!(window.query_by_label_contains("bounce.toml").is_some());
+    window.state_mut().panels.inspector = false;
+    settle(&mut window);
+    save(&mut window);
+    let told = window.state().notice().unwrap_or_default();
+    assert!(told.starts_with("Saved ") && told.contains("bounce-2.toml"), "{told}");
+    window.key_press(egui::Key::Period);
+    settle(&mut window);
+    assert_eq!(window.state().notice(), None);
+}

@@ -1,10 +1,11 @@
 //! Pictures of the built-in scenes for the gallery: made from the scenes themselves, in the background.
 
 use super::scene_camera::opening_camera;
-use crate::frame::{ColorBy, Frame};
+use crate::frame::{BodyRole, ColorBy, Frame};
 use crate::render::{Background, Camera, Framing, Ground, View};
-use crate::scene::{BUILTIN_SCENES, Scene};
+use crate::scene::{BUILTIN_SCENES, Scene, SceneDescription};
 use crate::sim::World;
+use glam::Vec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -103,12 +104,51 @@ fn sketch(index: usize) -> Option<Sketch> {
     let scene = Scene::load(BUILTIN_SCENES[index].name, &[]).ok()?;
     let frame = World::new(scene.setup.clone()).ok()?.publish();
     let framing = Framing::of(&frame);
-    let aspect = SIZE_PX[0] as f32 / SIZE_PX[1] as f32;
     Some(Sketch {
         scene: index,
-        camera: opening_camera(&scene.description, &framing, aspect),
+        camera: opening_view(&scene.description, &frame, &framing),
         ground: framing.floor().map_or(Ground::Hidden, Ground::At),
         color_by: ColorBy::Material,
         frame,
     })
+}
+
+/// From where the scene is recorded; as near as shows everything where that would cut off what is there at the start, or
+/// show it from farther away than need be: a small picture has no room for what comes later.
+fn opening_view(scene: &SceneDescription, frame: &Frame, framing: &Framing) -> Camera {
+    let aspect = SIZE_PX[0] as f32 / SIZE_PX[1] as f32;
+    let recorded = opening_camera(scene, framing, aspect);
+    let mut fitted = recorded;
+    framing.fit(&mut fitted, aspect);
+    let moving = frame.bodies.iter().filter(|body| body.role != BodyRole::Fixed);
+    let is_in_sight = |point: &[f32; 3]| {
+        let at = recorded.picture_position(Vec3::from(*point), aspect);
+        at.is_some_and(|at| at.min_element() > 0.0 && at.max_element() < 1.0)
+    };
+    let shows_all = moving.flat_map(|body| &body.positions_m).all(is_in_sight);
+    if shows_all && recorded.distance_m <= fitted.distance_m { recorded } else { fitted }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thumbnails_show_everything_that_moves() {
+        for (index, scene) in BUILTIN_SCENES.iter().enumerate() {
+            let Sketch { frame, camera, .. } = sketch(index).unwrap();
+            let aspect = SIZE_PX[0] as f32 / SIZE_PX[1] as f32;
+            for body in frame.bodies.iter().filter(|body| body.role != BodyRole::Fixed) {
+                for point in &body.positions_m {
+                    let at = camera.picture_position(Vec3::from(*point), aspect).unwrap();
+                    assert!(
+                        at.min_element() > 0.0 && at.max_element() < 1.0,
+                        "{} of {}",
+                        body.name,
+                        scene.name
+                    );
+                }
+            }
+        }
+    }
 }

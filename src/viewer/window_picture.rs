@@ -2,7 +2,6 @@
 
 use super::app::App;
 use super::off_screen_window::OffScreenWindow;
-use super::pacing::FRAME_S;
 use super::pick::pick;
 use super::session::Session;
 use super::simulation::Simulation;
@@ -43,7 +42,7 @@ pub struct WindowShot {
     pub scene: String,
     /// Its overrides, `path=value`.
     pub overrides: Vec<String>,
-    /// Plays up to this time, s, at least.
+    /// Plays up to this time, s.
     pub at_s: f64,
     /// Width and height, pixels.
     pub size_px: [u32; 2],
@@ -69,31 +68,26 @@ pub fn window_picture(shot: &WindowShot) -> Result<Picture, String> {
     let mut session = Session::default();
     let (scene, overrides) = (shot.scene.clone(), shot.overrides.clone());
     session.execute(Command::Open { scene, overrides, play: true });
+    let snapshot = session.snapshot();
+    let recording = snapshot.scene.as_ref().map(|scene| &scene.description.recording);
+    let looks_inside = recording.is_some_and(|recording| recording.cut.is_some() || recording.crosses);
+    session.execute(Command::SetInterior(looks_inside));
     play_to(&mut session, shot.at_s)?;
     draw(shot, &mut session).map_err(|error| error.to_string())
 }
 
-/// As on a machine that is always in time.
+/// Up to the very moment that `render` without panels shows.
 fn play_to(session: &mut Session, at_s: f64) -> Result<(), String> {
-    let mut wall_s = 0.0;
-    loop {
-        let snapshot = session.snapshot();
-        if let Some(error) = snapshot.run_error {
-            return Err(error);
-        }
-        if snapshot.scene.is_none() {
-            return Err(snapshot.notice.map_or_else(String::new, |notice| notice.text));
-        }
-        if snapshot.frame.time_s >= at_s {
-            session.execute(Command::Pause);
-            return Ok(());
-        }
-        // Beyond the scene's end it pauses by itself.
-        if !session.is_playing() {
-            session.execute(Command::Play);
-        }
-        session.advance(wall_s, || false);
-        wall_s += FRAME_S;
+    let snapshot = session.snapshot();
+    if snapshot.scene.is_none() {
+        return Err(snapshot.notice.map_or_else(String::new, |notice| notice.text));
+    }
+    let is_there = session.simulate_to(at_s);
+    session.execute(Command::Pause);
+    match session.snapshot().run_error {
+        Some(error) => Err(error),
+        None if is_there => Ok(()),
+        None => Err("the moment was not reached".to_owned()),
     }
 }
 
@@ -176,4 +170,28 @@ fn value_of(app: &App, (body, element): (usize, u32)) -> f32 {
     };
     let at = |vertex: &u32| values.get(*vertex as usize).map_or(0.0, |value| value * scale);
     own.flat_map(|(triangle, _)| triangle.iter().map(at)).fold(0.0, f32::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_shows_the_moment_that_was_asked_for() {
+        let opened = |scene: &str| {
+            let mut session = Session::default();
+            let (scene, overrides) = (scene.to_owned(), Vec::new());
+            session.execute(Command::Open { scene, overrides, play: true });
+            session
+        };
+        // In free flight, and beyond the end of the scene.
+        for at_s in [0.123_456_7, 5.000_1] {
+            let mut session = opened("bounce");
+            play_to(&mut session, at_s).unwrap();
+            let time_s = session.snapshot().frame.time_s;
+            let step_s = session.snapshot().stable_step_s;
+            assert!(time_s >= at_s * (1.0 - 1e-12) && time_s < at_s + step_s, "{time_s} for {at_s}");
+        }
+        assert!(play_to(&mut opened("no-such-scene"), 0.1).unwrap_err().contains("no-such-scene"));
+    }
 }

@@ -53,6 +53,17 @@ fn failure_surfaces_pass_through_the_strengths() {
 }
 
 #[test]
+fn values_may_come_beside_the_criterion_and_units_are_told() {
+    let place = Place::new();
+    let told = place.succeed("criteria -o one.csv --criterion tensile --set tensile_strength=1e6");
+    assert!(told.contains("tensile, Ft = 1 MPa"), "{told}");
+    assert_eq!(told, place.succeed("criteria -o one.csv --criterion tensile:1MPa"));
+    let told = place.fail("criteria -o one.csv --formula s1-Ft", 2);
+    assert!(told.contains("--parameter Ft=3e6"), "{told}");
+    assert!(place.fail("criteria -o one.csv --set a=1", 2).contains("no scene"));
+}
+
+#[test]
 fn formulas_and_scenes_are_drawn() {
     let place = Place::new();
     place.succeed("criteria --formula s1-Ft --parameter Ft=3e6 -o formula.csv");

@@ -7,12 +7,34 @@ use std::process::Stdio;
 #[test]
 fn a_moment_is_rendered_to_a_png() {
     let place = Place::new();
-    place.succeed("render cubes.toml -o new/folder/one.png --at 50ms --color-by speed --wireframe");
+    place.succeed("render cubes.toml -o one.png --at 50ms --color-by speed --wireframe");
     place.succeed("render cubes.toml -o cut.png --at 50ms --color-by mean-stress --color-range -2kPa..2kPa --cut -y --crosses");
-    let picture = image::open(place.path().join("new/folder/one.png")).unwrap().to_rgb8();
+    let picture = image::open(place.path().join("one.png")).unwrap().to_rgb8();
     assert_eq!(picture.dimensions(), (96, 64));
     let first = picture.get_pixel(0, 0);
     assert!(picture.pixels().any(|pixel| pixel != first), "an empty picture");
+}
+
+#[test]
+fn a_missing_folder_of_a_single_file_is_told_before_anything_runs() {
+    let place = Place::new();
+    for line in [
+        "render cubes.toml -o new/one.png",
+        "render cubes.toml -o new/one.gif",
+        "render cubes.toml -o new/one.png --panels",
+    ] {
+        let told = place.fail(line, 2);
+        assert!(told.contains("the folder `new` does not exist; create it first"), "{line}: {told}");
+        assert!(!place.has("new"));
+    }
+}
+
+#[test]
+fn a_cut_that_meets_nothing_is_warned_about() {
+    let place = Place::new();
+    let said = |cut: &str| stderr(&place.run(&format!("render cubes.toml -o cut.png --at 10ms --cut {cut}")));
+    assert!(said("x=77").contains("warning: `--cut` goes through no body that moves: the plane is at 77 m"));
+    assert!(!said("x").contains("warning"));
 }
 
 #[test]

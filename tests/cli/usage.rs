@@ -131,6 +131,22 @@ fn check_tells_size_and_cost() {
 }
 
 #[test]
+fn check_says_what_breaking_may_cost() {
+    let place = Place::new();
+    assert!(!place.succeed("check cubes.toml").contains("breaking"));
+    let found = place.succeed("check mug-drop");
+    assert!(found.contains("without breaking, but `") && found.contains("may come to about"), "{found}");
+}
+
+#[test]
+fn a_state_of_the_window_without_its_equals_sign_is_understood() {
+    let place = Place::new();
+    let told = place.fail("render cubes.toml -o a.png --panels element", 2);
+    assert!(told.contains("--panels=element"), "{told}");
+    assert!(!place.fail("render cubes.toml -o a.png elephant", 2).contains("--panels"));
+}
+
+#[test]
 fn slips_of_units_are_warned_about_unless_quiet() {
     let place = Place::new();
     for line in ["check cubes.toml", "run cubes.toml -o d --duration 1ms"] {

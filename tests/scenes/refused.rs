@@ -278,3 +278,50 @@ fn an_unknown_scene_gets_the_nearest_name() {
     let error = Scene::load("hamer-table", &[]).unwrap_err().to_string();
     assert!(error.contains("did you mean `hammer-table`?"), "{error}");
 }
+
+#[test]
+fn a_moment_by_another_word_is_understood() {
+    let text = r##"title = "x"
+
+[[bodies]]
+name = "a"
+shape = { type = "box", size = [1, 1, 1] }
+material = "steel"
+at = 3
+
+[[removals]]
+body = "a"
+time = 0.5
+
+[[contact_changes]]
+when = 0.5
+friction = 0.1
+
+[[pulls]]
+body = "a"
+at = [0, 0, 0]
+path = [{ time = 0.1, point = [0, 0, 1] }, { at = 0.2, point = [0, 0, 2] }]
+
+[time]
+duration = 1
+
+[recording]
+cut = { across = [0, 0, 0] }
+color_range = [2, 1]
+"##;
+    assert_problems(
+        text,
+        &[],
+        &[
+            "7: unknown key `at` in `bodies.a`; did you mean `position` or `enters`?",
+            "9: `at` is missing in `removals[0]`",
+            "11: unknown key `time` in `removals[0]`; did you mean `at`?",
+            "13: `at` is missing in `contact_changes[0]`",
+            "14: unknown key `when` in `contact_changes[0]`; did you mean `at`?",
+            "20: `time` is missing in `pulls[0].path[1]`",
+            "20: unknown key `at` in `pulls[0].path[1]`; did you mean `time`?",
+            "26: `recording.cut.across` must have a direction",
+            "27: the first of `recording.color_range` must be below the second",
+        ],
+    );
+}

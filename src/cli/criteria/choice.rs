@@ -5,7 +5,7 @@ use crate::cli::args::{CommonArgs, split_unit};
 use crate::cli::console::Console;
 use crate::cli::failure::Failure;
 use crate::cli::scene_source;
-use crate::fracture::{Criterion, Formula, Strength};
+use crate::fracture::{Criterion, Formula, FormulaError, FormulaProblem, Strength};
 use crate::render::{short, with_unit};
 use crate::scene::{CRITERION_COLUMN, Location, Problem, SceneError, parse_criterion};
 
@@ -30,10 +30,11 @@ const STANDARD: [(&str, &str); 5] = [
 pub fn entries(args: &CriteriaArgs, common: &CommonArgs, console: &Console) -> Result<Vec<Entry>, Failure> {
     let mut found = match &args.scene {
         Some(scene) => of_scene(scene, common, console)?,
-        None => refuse_overrides(common)?,
+        None => Vec::new(),
     };
+    let added = added_values(args, common)?;
     for text in &args.criterion {
-        found.push(unnamed(of_text(text)?));
+        found.push(unnamed(of_text(text, &added)?));
     }
     for text in &args.formula {
         found.push(unnamed(of_formula(text, &args.parameter)?));
@@ -47,18 +48,25 @@ pub fn entries(args: &CriteriaArgs, common: &CommonArgs, console: &Console) -> R
     }
     if found.is_empty() {
         for (kind, _) in STANDARD {
-            found.push(unnamed(of_text(kind)?));
+            found.push(unnamed(of_text(kind, "")?));
         }
     }
     Ok(merged(found))
 }
 
-fn refuse_overrides(common: &CommonArgs) -> Result<Vec<Entry>, Failure> {
-    match common.overrides.first() {
-        Some(first) => Err(Failure::BadInput(format!(
+/// What `--set` adds to the one criterion that is asked for by itself.
+fn added_values(args: &CriteriaArgs, common: &CommonArgs) -> Result<String, Failure> {
+    let first = common.overrides.first().filter(|_| args.scene.is_none());
+    match (first, args.criterion.len()) {
+        (None, _) => Ok(String::new()),
+        (Some(_), 1) => Ok(common.overrides.join(" ")),
+        (Some(first), 0) => Err(Failure::BadInput(format!(
             "there is no scene for `--set {first}` to override; name the scene, or use --criterion"
         ))),
-        None => Ok(Vec::new()),
+        (Some(first), _) => Err(Failure::BadInput(format!(
+            "`--set {first}` goes with one --criterion and there are several; write the values with each, as in \
+             --criterion \"tensile tensile_strength=1MPa\""
+        ))),
     }
 }
 
@@ -86,22 +94,64 @@ fn unnamed(criterion: Criterion) -> Entry {
     Entry { name: describe(&criterion), criterion }
 }
 
-/// From a kind with its parameters in words, or from a table as in a scene.
-fn of_text(text: &str) -> Result<Criterion, Failure> {
+/// From a kind with its parameters in words, or from a table as in a scene; `added` are more parameters in words.
+fn of_text(text: &str, added: &str) -> Result<Criterion, Failure> {
     let text = text.trim();
-    let table = if text.starts_with('{') { text.to_owned() } else { table_of_words(text) };
+    let table = match text.strip_suffix('}').filter(|_| text.starts_with('{')) {
+        Some(_) if added.is_empty() => text.to_owned(),
+        Some(open) => format!("{open}, {} }}", values_of_words("", added)?.join(", ")),
+        None => table_of_words(text, added)?,
+    };
     parse_criterion("--criterion", &table).map_err(|error| refused(text, &error))
 }
 
-/// `tresca shear_strength=5e6` as a table; a kind alone with the values of [`STANDARD`].
-fn table_of_words(text: &str) -> String {
-    let (kind, values) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    let standard = STANDARD.iter().find(|(name, _)| *name == kind && values.is_empty());
-    let values = standard.map_or(values, |(_, values)| values);
-    let values = values.split([' ', ',']).filter(|word| !word.is_empty());
-    let words: Vec<String> =
-        std::iter::once(format!("criterion = {kind:?}")).chain(values.map(str::to_owned)).collect();
-    format!("{{ {} }}", words.join(", "))
+/// `tresca shear_strength=5e6`, `tresca shear_strength=5MPa` and `tresca 5MPa` as a table; a kind alone with the values
+/// of [`STANDARD`].
+fn table_of_words(text: &str, added: &str) -> Result<String, Failure> {
+    let (kind, values) = text.split_once([' ', ':', '\t']).unwrap_or((text, ""));
+    let standard = STANDARD.iter().find(|(name, _)| *name == kind);
+    let values = match standard {
+        Some((_, standard)) if values.trim().is_empty() && added.is_empty() => (*standard).to_owned(),
+        _ => format!("{values} {added}"),
+    };
+    let mut words = vec![format!("criterion = {kind:?}")];
+    words.extend(values_of_words(standard.map_or("", |(_, values)| values), &values)?);
+    Ok(format!("{{ {} }}", words.join(", ")))
+}
+
+/// Names with values as TOML, in Pa and degrees. Values without a name are those of `standard`, in its order.
+fn values_of_words(standard: &str, values: &str) -> Result<Vec<String>, Failure> {
+    const UNITS: [&str; 6] = ["Pa", "kPa", "MPa", "GPa", "deg", "°"];
+    let mut words: Vec<String> = Vec::new();
+    for word in values.replace('=', " = ").split([' ', ',', '\t']).filter(|word| !word.is_empty()) {
+        match words.last_mut() {
+            // What belongs to the word before: an equals sign, what follows it, a unit.
+            Some(last) if word == "=" || last.ends_with('=') || UNITS.contains(&word) => last.push_str(word),
+            _ => words.push(word.to_owned()),
+        }
+    }
+    let names: Vec<&str> = standard.split([' ', '=']).step_by(2).filter(|name| !name.is_empty()).collect();
+    let mut unnamed = names.iter();
+    let pair = |word: String| match word.split_once('=') {
+        Some((name, value)) => Ok(format!("{name} = {}", bare_value(value))),
+        None => match unnamed.next().filter(|_| word.starts_with(|first: char| !first.is_alphabetic())) {
+            Some(name) => Ok(format!("{name} = {}", bare_value(&word))),
+            None => Err(Failure::BadInput(format!(
+                "--criterion: `{word}` has no name; write NAME=VALUE, as in \"tensile tensile_strength=1MPa\" (stresses in \
+                 Pa, kPa, MPa or GPa, angles in degrees)"
+            ))),
+        },
+    };
+    words.into_iter().map(pair).collect()
+}
+
+/// A value in Pa or degrees without its unit; what is no such value stays for the reader to judge.
+fn bare_value(value: &str) -> String {
+    let bare = value.strip_suffix("deg").or(value.strip_suffix('°')).unwrap_or(value);
+    match parse_stress(bare) {
+        Ok(number) if bare.parse::<f64>().is_err() => format!("{number:e}"),
+        _ => bare.to_owned(),
+    }
 }
 
 fn refused(text: &str, error: &SceneError) -> Failure {
@@ -123,7 +173,13 @@ fn of_formula(text: &str, parameters: &[(String, f64)]) -> Result<Criterion, Fai
     let parameters: Vec<(&str, f64)> =
         parameters.iter().map(|(name, value)| (name.as_str(), *value)).collect();
     let refused = |reason: String| Failure::BadInput(format!("--formula: {reason}"));
-    let formula = Formula::new(text, &parameters).map_err(|error| refused(error.to_string()))?;
+    let in_words = |error: FormulaError| match &error.problem {
+        FormulaProblem::UnknownName { name, .. } => {
+            refused(format!("{error}; a name of your own gets its value by --parameter {name}=3e6"))
+        }
+        _ => refused(error.to_string()),
+    };
+    let formula = Formula::new(text, &parameters).map_err(in_words)?;
     Criterion::single(Strength::Formula(formula)).map_err(|error| refused(error.to_string()))
 }
 
@@ -201,12 +257,35 @@ mod tests {
 
     #[test]
     fn words_and_tables_say_the_same() {
-        let words = of_text("tresca shear_strength=5e6").unwrap();
-        assert_eq!(words, of_text("{ criterion = \"tresca\", shear_strength = 5e6 }").unwrap());
-        assert_eq!(words, of_text("tresca").unwrap());
-        assert!(
-            matches!(of_text("tresca shear_strength=0"), Err(Failure::BadInput(text)) if text.contains("shear_strength"))
-        );
+        let criterion = |text: &str| of_text(text, "").unwrap();
+        let words = criterion("tresca shear_strength=5e6");
+        for text in [
+            "{ criterion = \"tresca\", shear_strength = 5e6 }",
+            "tresca",
+            "tresca shear_strength=5MPa",
+            "tresca shear_strength = 5 MPa",
+            "tresca 5MPa",
+            "tresca:5e6",
+        ] {
+            assert_eq!(words, criterion(text), "{text}");
+        }
+        let cone = criterion("mohr-coulomb cohesion=5e6 friction_angle=30");
+        assert_eq!(cone, criterion("mohr-coulomb cohesion=5 MPa, friction_angle=30°"));
+        assert_eq!(cone, criterion("mohr-coulomb 5MPa 30deg"));
+        assert_eq!(cone, of_text("mohr-coulomb cohesion=5e6", "friction_angle=30").unwrap());
+        assert_eq!(words, of_text("{ criterion = \"tresca\" }", "shear_strength=5MPa").unwrap());
+        assert_ne!(words, of_text("tresca", "shear_strength=6MPa").unwrap());
+        for (text, part) in [
+            ("tresca shear_strength=0", "shear_strength"),
+            ("tresca much", "`much` has no name; write NAME=VALUE"),
+            ("tresca 1e6 2e6", "`2e6` has no name"),
+            ("tresca shear_strength=lots", "valid TOML"),
+        ] {
+            assert!(
+                matches!(of_text(text, ""), Err(Failure::BadInput(told)) if told.contains(part)),
+                "{text}"
+            );
+        }
     }
 
     #[test]
@@ -222,7 +301,7 @@ mod tests {
     #[test]
     fn equal_criteria_are_drawn_once() {
         let named =
-            |name: &str| Entry { name: format!("{name}: tresca"), criterion: of_text("tresca").unwrap() };
+            |name: &str| Entry { name: format!("{name}: tresca"), criterion: of_text("tresca", "").unwrap() };
         let merged = merged(vec![named("a"), named("b")]);
         assert_eq!(merged.len(), 1);
         assert!(merged[0].name.contains('a') && merged[0].name.contains('b'));

@@ -20,8 +20,12 @@ use std::path::{Path, PathBuf};
 pub struct CriteriaArgs {
     /// Scene whose materials' criteria are drawn; without it and the next two: the five standard ones
     pub scene: Option<String>,
-    /// A criterion of your own, e.g. "mohr-coulomb cohesion=5e6 friction_angle=30", or a table as in
-    /// a scene's `fracture`; its name alone stands for illustrative values. Repeatable
+    /// A criterion of your own, e.g. "mohr-coulomb cohesion=5MPa friction_angle=30"; repeatable
+    ///
+    /// tensile tensile_strength, tresca shear_strength, von-mises shear_strength, mohr-coulomb cohesion friction_angle,
+    /// drucker-prager cohesion friction_angle: stresses in Pa or with kPa, MPa, GPa, angles in degrees. Names may be left
+    /// out ("tresca 5MPa"), the values of a single criterion also be given by --set, and its name alone stands for
+    /// illustrative ones. A table as in a scene's `fracture` will do as well.
     #[arg(long, value_name = "CRITERION")]
     pub criterion: Vec<String>,
     /// A criterion as a formula in s1, s2, s3, I1, J2, J3: "max(s1 - 3*MPa, sqrt(J2) - 2*MPa)" fails from 0 on. Repeatable

@@ -6,7 +6,9 @@ use super::super::problem::SceneError;
 use super::super::quantity::Quantity;
 use super::super::reader::{Kind, Table};
 use crate::fracture::plane::PlaneRule;
-use crate::fracture::{Criterion, FailureRule, Formula, PropagationRule, Strength};
+use crate::fracture::{
+    Criterion, FailureRule, Formula, FormulaError, FormulaProblem, PropagationRule, Strength,
+};
 use crate::sim::FractureParameters;
 
 /// Says that a material never breaks.
@@ -115,7 +117,16 @@ fn read_formula(table: &mut Table) -> Option<Formula> {
         return None;
     }
     let formula = Formula::new(&text, &parameters);
-    formula.map_err(|error| table.problem("formula", error.to_string())).ok()
+    let told = |error: FormulaError| {
+        let hint = match &error.problem {
+            FormulaProblem::UnknownName { name, .. } => {
+                format!("; a name of your own gets its value by `parameters = {{ {name} = 3e6 }}`")
+            }
+            _ => String::new(),
+        };
+        table.problem("formula", format!("{error}{hint}"));
+    };
+    formula.map_err(told).ok()
 }
 
 /// How the cutting plane stands: across the largest tension, or sliding at the friction angle.

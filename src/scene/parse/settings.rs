@@ -1,8 +1,8 @@
 //! Contact, time, cameras and recording.
 
-use super::super::description::{Camera, Contact, Eye, Recording};
+use super::super::description::{Camera, Contact, CutPlane, Eye, Recording};
 use super::super::quantity::Quantity;
-use super::super::reader::Table;
+use super::super::reader::{Kind, Table};
 use super::{check_name, read_friction};
 use crate::frame::ColorBy;
 use crate::sim::{ContactMethod, ContactParameters, TimeParameters};
@@ -102,7 +102,12 @@ pub(super) fn read_recording(mut table: Table, duration_s: f64) -> Recording {
     let history_every = table.number("history_every", seconds);
     let slow_motion = table.number("slow_motion", Quantity::positive(""));
     let size = table.numbers("size", 2, 2, Quantity::positive("pixels").up_to(8192.0));
+    let color_range = read_color_range(&mut table);
+    let cut = read_cut(&mut table);
     Recording {
+        color_range,
+        cut,
+        crosses: table.flag("crosses").unwrap_or(false),
         fps: table.number("fps", fps).unwrap_or(30.0),
         slow_motion: slow_motion.unwrap_or(1.0),
         start_s: table.number("start", seconds).unwrap_or(0.0),
@@ -113,4 +118,31 @@ pub(super) fn read_recording(mut table: Table, duration_s: f64) -> Recording {
         camera: table.text("camera"),
         history_every_s: history_every.unwrap_or(duration_s / 500.0),
     }
+}
+
+fn read_color_range(table: &mut Table) -> Option<[f64; 2]> {
+    if table.kind_of("color_range")? == Kind::Text {
+        return table.choice("color_range", &[("found", None)])?;
+    }
+    let [low, high] = table.numbers("color_range", 2, 2, Quantity::any(""))?[..] else { return None };
+    if low >= high {
+        let name = table.name_of("color_range");
+        table.problem("color_range", format!("the first of `{name}` must be below the second"));
+    }
+    Some([low, high])
+}
+
+fn read_cut(table: &mut Table) -> Option<CutPlane> {
+    if table.kind_of("cut")? == Kind::Text {
+        return table.choice("cut", &[("none", None)])?;
+    }
+    let mut cut = table.table("cut")?;
+    cut.require("across", "the direction in which bodies are left out, as in `across = [0, 1, 0]`");
+    let across = cut.vector("across", "")?;
+    if across.try_normalize().is_none() {
+        let message = format!("`{}` must have a direction; three zeros have none", cut.name_of("across"));
+        cut.problem("across", message);
+        return None;
+    }
+    Some(CutPlane { across, at_m: cut.number("at", Quantity::any("m")) })
 }

@@ -52,8 +52,9 @@ impl Session {
             self.tell(format!("the scene stays as it is: {error}"));
             return false;
         }
-        self.redo.clear();
-        self.undo.push(UndoPoint { what: what.clone(), time_s, edits });
+        let mut later = std::mem::take(&mut self.redo);
+        later.retain(|point| point.edit.time_s >= time_s);
+        self.undo.push(UndoPoint { what: what.clone(), time_s, edits, later });
         self.edits.push(Edit { time_s, done });
         let mark = Mark { time_s, kind: MarkKind::Edit, text: what, edits: self.edits.len() };
         Arc::make_mut(&mut self.recording).mark(mark);

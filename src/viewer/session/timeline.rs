@@ -5,6 +5,7 @@
 
 use super::super::recording::{Mark, MarkKind, Recording};
 use super::{Run, Session};
+use crate::render::with_unit;
 use crate::scene::Scene;
 use crate::scene::{contact_change_text, pull_text};
 use crate::sim::{ContactChange, Entrance, Pull, SimError, World};
@@ -92,13 +93,27 @@ pub(super) struct UndoPoint {
     pub time_s: f64,
     /// Edits before it.
     pub edits: usize,
+    /// What could be done again when it was done, and comes later: it can again once this is taken back.
+    pub later: Vec<RedoPoint>,
 }
 
 /// An edit that was taken back and can be made again.
 pub(super) struct RedoPoint {
     /// What was done, in words.
     pub what: String,
-    edit: Edit,
+    pub edit: Edit,
+}
+
+impl Edit {
+    /// What was done, in words, for what has no point to go back to.
+    fn words(&self) -> String {
+        match &self.done {
+            Done::Contact(_) => "contact changed".to_owned(),
+            Done::Enter(_, entrance, _) => format!("{} thrown in", entrance.body.name),
+            Done::Leave(..) => "a body taken out".to_owned(),
+            Done::Pull(pull) => format!("{} pulled", pull.body),
+        }
+    }
 }
 
 impl Session {
@@ -206,9 +221,26 @@ impl Session {
     /// Goes back to the recorded moment at a time and stands there.
     pub(super) fn play_on_from(&mut self, time_s: f64, play: bool) {
         let Some((time_s, edits)) = self.recording.at(time_s).map(|m| (m.time_s, m.edits)) else { return };
-        self.redo.clear();
-        self.go_back(time_s, edits);
+        self.let_go();
+        let dropped = self.edits_after(edits);
+        if self.go_back(time_s, edits) {
+            // The first of them is done again first.
+            self.redo = dropped.into_iter().rev().collect();
+            if !self.redo.is_empty() {
+                self.mention(dropped_text(time_s, &self.redo, play));
+            }
+        }
         self.set_playing(play);
+    }
+
+    /// What was done after so many edits, to be done again.
+    fn edits_after(&self, edits: usize) -> Vec<RedoPoint> {
+        let point = |(index, edit): (usize, &Edit)| {
+            let known = self.undo.iter().find(|point| point.edits == index);
+            let what = known.map_or_else(|| edit.words(), |point| point.what.clone());
+            RedoPoint { what, edit: edit.clone() }
+        };
+        self.edits.iter().enumerate().skip(edits).map(point).collect()
     }
 
     /// Takes the last throw, removal or pull back.
@@ -218,8 +250,11 @@ impl Session {
         let was_playing = self.is_playing;
         let edit = self.edits.get(point.edits).cloned();
         if self.go_back(point.time_s, point.edits) {
+            if !point.later.is_empty() {
+                self.redo = point.later;
+            }
             self.redo.extend(edit.map(|edit| RedoPoint { what: point.what.clone(), edit }));
-            self.tell(format!("Taken back: {}. The scene is where it was then.", point.what));
+            self.mention(format!("Taken back: {}. The scene is where it was then.", point.what));
         }
         self.set_playing(was_playing);
     }
@@ -230,12 +265,17 @@ impl Session {
         let Some(RedoPoint { what, edit }) = self.redo.pop() else { return };
         let was_playing = self.is_playing;
         let thrown = usize::from(matches!(edit.done, Done::Enter(..)));
-        if self.go_back(edit.time_s, self.edits.len()) {
+        // What was dropped comes after the present: time goes there first, and is recorded on the way.
+        let is_there = match edit.time_s > self.time_s() {
+            true => self.simulate_to(edit.time_s),
+            false => self.go_back(edit.time_s, self.edits.len()),
+        };
+        if is_there {
             // The edit is one of them and not another that makes them void.
             let others = std::mem::take(&mut self.redo);
             self.thrown += thrown * usize::from(self.edit(edit.done, what.clone()));
             self.redo = others;
-            self.tell(format!("Done again: {what}."));
+            self.mention(format!("Done again: {what}."));
         }
         self.set_playing(was_playing);
     }
@@ -295,6 +335,23 @@ impl Session {
         step_to(&mut run.world, time_s)?;
         Ok((run, thrown))
     }
+}
+
+/// `dropped` begins with the last one.
+fn dropped_text(time_s: f64, dropped: &[RedoPoint], is_playing: bool) -> String {
+    const MOST_NAMED: usize = 3;
+    let names: Vec<&str> = dropped.iter().rev().take(MOST_NAMED).map(|point| point.what.as_str()).collect();
+    let more = if dropped.len() > MOST_NAMED { ", …" } else { "" };
+    let (changes, them) = match dropped.len() {
+        1 => ("one later change".to_owned(), "does it again, at its time"),
+        count => (format!("{count} later changes"), "does them again one by one, each at its time"),
+    };
+    let undo = if is_playing { "Ctrl Y" } else { "Once this is taken back (Ctrl Z), Ctrl Y" };
+    format!(
+        "Going on from {} drops {changes}: {}{more}. {undo} {them}.",
+        with_unit(time_s, "s"),
+        names.join(", ")
+    )
 }
 
 pub(super) fn step_to(world: &mut World, time_s: f64) -> Result<(), SimError> {

@@ -27,7 +27,12 @@ pub fn show(context: &Context, app: &App, actions: &mut Vec<Action>) {
                 run_error(ui, error, actions);
             }
             if let Some(notice) = app.notice() {
-                message(ui, style::warning_colors(app.look.is_dark), notice, |ui| {
+                let is_dark = app.look.is_dark;
+                let colors = match app.is_notice_passing() {
+                    true => style::notice_colors(is_dark),
+                    false => style::warning_colors(is_dark),
+                };
+                message(ui, colors, notice, |ui| {
                     if ui.button("Close").clicked() {
                         actions.push(Action::DismissNotice);
                     }

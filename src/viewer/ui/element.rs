@@ -1,5 +1,6 @@
 //! The element that was clicked on: its stress, and Mohr's circles with the envelope of its criterion.
 
+use super::plots::{X_LABEL_SPACING, marks, tick};
 use super::stress_space::{self, NearSurface};
 use super::widgets::measured;
 use crate::fracture::envelope::{
@@ -9,7 +10,7 @@ use crate::fracture::{Criterion, CriterionError, Strength};
 use crate::viewer::app::App;
 use crate::viewer::inspection::Inspection;
 use egui::{Color32, Grid, Id, RichText, Ui};
-use egui_plot::{Line, Plot};
+use egui_plot::{AxisHints, Line, Plot};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -142,8 +143,16 @@ pub fn figure(ui: &Ui, name: &str) -> Plot<'static> {
         .allow_zoom(false)
         .allow_drag(false)
         .allow_boxed_zoom(false)
-        .x_axis_formatter(|mark, _| measured(mark.value, "Pa"))
-        .y_axis_formatter(|mark, _| measured(mark.value, "Pa"))
+        .grid_spacing(egui::Rangef::new(10.0, 40.0))
+        .x_grid_spacer(|grid| marks(grid.bounds, 3.0, 0.0))
+        .y_grid_spacer(|grid| marks(grid.bounds, 4.0, 0.0))
+        .custom_x_axes(vec![AxisHints::new_x().label_spacing(X_LABEL_SPACING)])
+        .x_axis_formatter(|mark, range| {
+            // A label at the very end would stick out of the panel.
+            let is_last = range.end() - mark.value < 0.1 * (range.end() - range.start());
+            if is_last { String::new() } else { tick(mark.value, "Pa") }
+        })
+        .y_axis_formatter(|mark, _| tick(mark.value, "Pa"))
 }
 
 fn circle(centre: f64, radius: f64) -> Vec<[f64; 2]> {

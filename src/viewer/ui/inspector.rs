@@ -63,7 +63,7 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
                         }
                     }
                 });
-            if ui.button("Fit").on_hover_text("Show everything (F)").clicked() {
+            if ui.button("Fit").on_hover_text("Show everything but what flew or fell far off (F)").clicked() {
                 actions.push(Action::FrameAll);
             }
         });
@@ -82,10 +82,17 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     }
 }
 
+/// Width of the labels before values, points: all begin and end in one line.
+const LABEL_WIDTH: f32 = 70.0;
+
 /// A value with its label before it.
 pub fn row(ui: &mut Ui, label: &str, value: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
-        ui.add_sized([70.0, 20.0], egui::Label::new(label).halign(egui::Align::Min));
+        let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.set_min_size(size);
+            ui.label(label);
+        });
         value(ui);
     });
 }

@@ -2,7 +2,7 @@
 
 use super::Action;
 use crate::render::NamedView;
-use crate::viewer::app::SaveKind;
+use crate::viewer::app::{App, SaveKind};
 use egui::{Context, Key, Modifiers};
 
 /// The keys with what they do, for the help.
@@ -11,7 +11,7 @@ pub const KEYS: [(&str, &str); 18] = [
     (".", "one step"),
     ("R", "back to the start, with the values on the sliders"),
     ("Shift R", "the same, and what was thrown, pulled and changed comes again"),
-    ("F", "show everything"),
+    ("F", "show everything but what flew or fell far off"),
     ("1 … 9", "look from: three-quarter, front, right, back, left, top, rear, low, high"),
     ("Left, Right", "the recorded moment before, after"),
     ("End", "back to the present"),
@@ -24,14 +24,15 @@ pub const KEYS: [(&str, &str); 18] = [
     ("X", "stress crosses"),
     ("G", "the scenes"),
     ("F1", "this help"),
-    ("Esc", "close help or message"),
+    ("Esc", "close help, stop throwing, close the message"),
 ];
 
 const DIGITS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Reads the keys of this frame, unless somebody is typing.
-pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Vec<Action>) {
+pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
+    let is_gallery = app.is_gallery;
     if context.egui_wants_keyboard_input() {
         return;
     }
@@ -50,7 +51,12 @@ pub fn read(context: &Context, is_gallery: bool, is_help: bool, actions: &mut Ve
     }
     let mut on = |key: Key, action: Action| on_with(Modifiers::NONE, key, action);
     on(Key::F1, Action::ToggleHelp);
-    on(Key::Escape, if is_help { Action::ToggleHelp } else { Action::DismissNotice });
+    let escape = match () {
+        () if app.panels.help => Action::ToggleHelp,
+        () if app.aim.is_armed && !is_gallery => Action::StopAiming,
+        () => Action::DismissNotice,
+    };
+    on(Key::Escape, escape);
     on(Key::G, Action::ShowGallery(!is_gallery));
     if is_gallery {
         return;

@@ -81,6 +81,8 @@ pub enum Action {
     Redo,
     /// Dragging throws, or turns the camera.
     ToggleAim,
+    /// Dragging turns the camera again.
+    StopAiming,
     /// Show the recorded moment at a time, s.
     LookAt(f64),
     /// Show recorded moments so many places on.
@@ -121,8 +123,34 @@ pub enum Action {
     DismissNotice,
 }
 
+impl Action {
+    /// Whether somebody goes on to something else with it, and does not only look around.
+    #[must_use]
+    pub fn is_another_deed(&self) -> bool {
+        matches!(
+            self,
+            Self::Open(_)
+                | Self::ShowGallery(true)
+                | Self::TogglePlay
+                | Self::Step
+                | Self::Reset
+                | Self::Again
+                | Self::Throw(_)
+                | Self::Remove(_)
+                | Self::Grab { .. }
+                | Self::Undo
+                | Self::Redo
+                | Self::PlayOnFromHere
+                | Self::Save(_)
+                | Self::ContactEdited
+        )
+    }
+}
+
 /// Lays out the whole window.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    // Its panel says so if it is there.
+    app.save.is_in_sight = false;
     Panel::top("toolbar").frame(style::bar_frame()).show(ui, |ui| toolbar::show(ui, app, actions));
     if app.is_gallery {
         egui::CentralPanel::no_frame()

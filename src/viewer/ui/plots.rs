@@ -4,9 +4,11 @@ use super::icons;
 use super::widgets::measured;
 use crate::viewer::history::{History, Row};
 use egui::{Color32, RichText, Ui};
-use egui_plot::{GridMark, HoverPosition, Line, LineStyle, Plot, VLine};
+use egui_plot::{AxisHints, GridMark, HoverPosition, Line, LineStyle, Plot, VLine};
 
 const HEIGHT: f32 = 150.0;
+/// Labels of times nearer than this to each other fade and go, points.
+pub(super) const X_LABEL_SPACING: egui::Rangef = egui::Rangef { min: 36.0, max: 48.0 };
 /// More points than the panel has pixels only cost time.
 const MOST_POINTS: usize = 300;
 
@@ -116,7 +118,7 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
     let Figure { title, unit, curves } = *figure;
     let label = move |position: &HoverPosition<'_>| match position {
         HoverPosition::NearDataPoint { plot_name, position, .. } => {
-            Some(format!("{plot_name} {}\nat {}", measured(position.y, unit), measured(position.x, "s")))
+            Some(format!("{plot_name} {}\nat {}", value_text(position.y, unit), measured(position.x, "s")))
         }
         HoverPosition::Elsewhere { .. } => None,
     };
@@ -131,14 +133,15 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
         .show_crosshair(false)
         .grid_color(grid_color)
         .grid_spacing(egui::Rangef::new(10.0, 40.0))
-        .x_grid_spacer(|grid| marks(grid.bounds, 2.4))
-        .y_grid_spacer(|grid| marks(grid.bounds, 5.0))
+        .x_grid_spacer(|grid| marks(grid.bounds, 3.4, 0.0))
+        .y_grid_spacer(move |grid| marks(grid.bounds, 5.0, if unit.is_empty() { 1.0 } else { 0.0 }))
         .y_axis_min_width(48.0)
         .set_margin_fraction(egui::vec2(0.1, 0.06))
         .include_y(0.0)
         .include_x(0.0)
         .include_x(if is_flat(rows, |row| row.time_s) { 1e-3 } else { 0.0 })
         .include_y(if curves.iter().all(|curve| is_flat(rows, curve.value)) { 1.0 } else { 0.0 })
+        .custom_x_axes(vec![AxisHints::new_x().label_spacing(X_LABEL_SPACING)])
         .x_axis_formatter(|mark, range| {
             // A label at the very end would stick out of the panel.
             let is_last = range.end() - mark.value < 0.1 * (range.end() - range.start());
@@ -168,21 +171,30 @@ fn is_flat(rows: &[Row], value: fn(&Row) -> f64) -> bool {
     rows.iter().all(|row| value(row) == 0.0)
 }
 
-/// Marks at round values, about `count` of them.
-fn marks((low, high): (f64, f64), count: f64) -> Vec<GridMark> {
-    let rough = (high - low) / count;
+/// Marks at round values, about `count` of them, and at least so far apart: what is counted has no halves.
+pub(super) fn marks((low, high): (f64, f64), count: f64, least_step: f64) -> Vec<GridMark> {
+    let rough = ((high - low) / count).max(least_step);
     if !(rough.is_finite() && rough > 0.0) {
         return Vec::new();
     }
     let decade = 10f64.powf(rough.log10().floor());
-    let lead = [1.0, 2.0, 5.0, 10.0].into_iter().find(|lead| lead * decade >= 0.999 * rough).unwrap_or(10.0);
+    let lead = [1.0, 2.0, 2.5, 5.0, 10.0]
+        .into_iter()
+        .filter(|lead| least_step == 0.0 || *lead != 2.5)
+        .find(|lead| lead * decade >= 0.999 * rough)
+        .unwrap_or(10.0);
     let step_size = lead * decade;
     let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
     (first..=last).map(|number| GridMark { value: number as f64 * step_size, step_size }).collect()
 }
 
-fn tick(value: f64, unit: &str) -> String {
-    if value == 0.0 { "0".to_owned() } else { measured(value, unit) }
+pub(super) fn tick(value: f64, unit: &str) -> String {
+    if value == 0.0 { "0".to_owned() } else { value_text(value, unit) }
+}
+
+/// A value with its unit; a count as it is.
+fn value_text(value: f64, unit: &str) -> String {
+    if unit.is_empty() { format!("{value:.0}") } else { measured(value, unit) }
 }
 
 /// Points of a curve, of each group of rows the one largest in size, so that no peak is lost.
@@ -203,7 +215,7 @@ fn legend(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], rows: &[Row]) 
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 icons::swatch(ui, curve.color);
-                let text = format!("{} {}", curve.name, measured((curve.value)(&last), unit));
+                let text = format!("{} {}", curve.name, value_text((curve.value)(&last), unit));
                 ui.label(RichText::new(text).small()).on_hover_text(curve.hint);
             });
             if index % 2 == 1 {
@@ -216,12 +228,21 @@ fn legend(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], rows: &[Row]) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::with_unit;
 
     #[test]
     fn marks_are_few_and_round() {
-        let values = |bounds| marks(bounds, 3.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
+        let values = |bounds| marks(bounds, 3.0, 0.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
         assert_eq!(values((0.0, 10.0)), [0.0, 5.0, 10.0]);
+        assert_eq!(values((0.0, 7.0)), [0.0, 2.5, 5.0]);
         assert_eq!(values((-2.5, 3.1)), [-2.0, 0.0, 2.0]);
+        let counts = |high| marks((0.0, high), 5.0, 1.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
+        assert_eq!(counts(1.1), [0.0, 1.0]);
+        assert_eq!(counts(7.4), [0.0, 2.0, 4.0, 6.0]);
+        assert_eq!(
+            (value_text(12.0, ""), value_text(1500.0, "N")),
+            ("12".to_owned(), with_unit(1500.0, "N"))
+        );
         assert!(values((1.0, 1.0)).is_empty() && values((0.0, f64::NAN)).is_empty());
     }
 

@@ -7,6 +7,13 @@ use egui::{Button, DragValue, ProgressBar, RichText, TextEdit, Ui};
 
 /// Shows the section.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    let top = ui.cursor().top();
+    fields(ui, app, actions);
+    let place = egui::Rect::from_x_y_ranges(ui.max_rect().x_range(), top..=ui.cursor().top());
+    app.save.is_in_sight = ui.clip_rect().contains_rect(place.shrink2(egui::vec2(place.width() / 2.0, 2.0)));
+}
+
+fn fields(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         ui.label("Into");
         let folder = TextEdit::singleline(&mut app.save.folder).desired_width(f32::INFINITY);

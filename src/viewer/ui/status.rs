@@ -10,13 +10,8 @@ const LABEL_GAP: f32 = 4.0;
 
 /// Shows the line.
 pub fn show(ui: &mut Ui, app: &App) {
-    let snapshot = &app.snapshot;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
-        if let Some(duration_s) = snapshot.over_after_s() {
-            let text = format!("the scene's {} are over; play goes on beyond", measured(duration_s, "s"));
-            ui.label(RichText::new(text).small().strong());
-        }
         for (label, value, hint) in values(app) {
             // What does not fit is left out, not cut through.
             if width_of(ui, label) + width_of(ui, &value) + LABEL_GAP > ui.available_width() {
@@ -45,6 +40,7 @@ fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {
         Some(factor) if factor > 0.0 => speed_text(factor),
         _ if app.player.is_back() => "looking back".to_owned(),
         _ if snapshot.is_playing => "…".to_owned(),
+        _ if snapshot.over_after_s().is_some() => "at the end; play goes on".to_owned(),
         _ => "paused".to_owned(),
     };
     let step =
@@ -52,11 +48,11 @@ fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {
     let mut values = vec![
         ("t", measured(frame.time_s, "s"), "Simulated time"),
         ("real-time factor", speed, "Simulated time over time on the wall, over the last second"),
-        ("stage", status.stage.clone(), "What the last step did"),
         ("elements", status.elements.to_string(), "Tetrahedra of the bodies that deform"),
         ("contacts", status.contact_pairs.to_string(), "Pairs of features that press on each other"),
         ("fragments", status.fragments.to_string(), "Connected pieces of the bodies that deform"),
         ("stable step", step, "Elastic step of the slowest body"),
+        ("stage", status.stage.clone(), "What the last step did"),
         ("steps", status.steps.to_string(), "Steps since the start"),
     ];
     if status.sleeping_bodies > 0 {

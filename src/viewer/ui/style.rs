@@ -96,6 +96,16 @@ pub fn accent() -> Color32 {
     ACCENT
 }
 
+/// Background and text of what only says what was done.
+#[must_use]
+pub fn notice_colors(is_dark: bool) -> (Color32, Color32) {
+    if is_dark {
+        (Color32::from_rgb(38, 46, 58), Color32::from_rgb(205, 219, 238))
+    } else {
+        (Color32::from_rgb(233, 240, 249), Color32::from_rgb(34, 62, 98))
+    }
+}
+
 /// Background and text of a warning.
 #[must_use]
 pub fn warning_colors(is_dark: bool) -> (Color32, Color32) {

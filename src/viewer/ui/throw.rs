@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         choices(ui, app);
         SPEED.show(ui, &mut app.aim.speed_m_s);
         SPIN.show(ui, &mut app.aim.spin_rad_s);
-        let hint = "Press where the body shall start, drag to what it shall hit, let go (T). Off: dragging turns the camera.";
+        let hint = "Press where the body shall start, drag to what it shall hit, let go (T; Esc ends it). Off: dragging turns the camera.";
         let text = if app.aim.is_armed { "Drag in the picture to throw" } else { "Throw with the mouse" };
         let size = [ui.available_width(), 28.0];
         let aim = Button::selectable(app.aim.is_armed, text).frame_when_inactive(true);

@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
             memory(ui, app, is_narrow, actions);
             ui.add_enabled_ui(app.player.is_back(), |ui| {
                 let hint =
-                    "Forgets what came after this moment and simulates on from here, with the values of then";
+                    "Simulates on from here, with the values of then. What came after this moment is dropped; what was done in it can be done again (Ctrl Y)";
                 if super::widgets::primary_button(ui, "Play on from here").on_hover_text(hint).clicked() {
                     actions.push(Action::PlayOnFromHere);
                 }
@@ -64,7 +64,7 @@ fn memory(ui: &mut Ui, app: &App, is_narrow: bool, actions: &mut Vec<Action>) {
         actions.push(Action::SetMemoryLimit((limit * MEBIBYTE) as usize));
     }
     let used = recording.bytes() as f64 / MEBIBYTE;
-    let text = if is_narrow { format!("{used:.0} /") } else { format!("recorded {used:.0} of") };
+    let text = if is_narrow { format!("{used:.0} of") } else { format!("memory: {used:.0} MiB of") };
     ui.label(RichText::new(text).small().weak()).on_hover_text(hint);
 }
 

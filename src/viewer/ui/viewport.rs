@@ -93,7 +93,7 @@ fn take_aim(app: &mut App, area: Rect, response: &Response, actions: &mut Vec<Ac
 fn draw_aim(ui: &Ui, app: &App, area: Rect) {
     let Some(path) = app.aim.path(app.shown(), &app.look.camera, aspect(area)) else {
         if app.aim.is_armed && app.aim.drag.is_none() {
-            let text = "Press where the body shall start, drag to its target, let go to throw";
+            let text = "Press where the body shall start, drag to its target, let go to throw. Esc: no more throwing";
             let at = area.center_top() + egui::vec2(0.0, 14.0);
             let font = FontId::proportional(12.5);
             ui.painter().text(at, Align2::CENTER_TOP, text, font, style::accent());

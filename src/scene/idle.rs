@@ -1,0 +1,145 @@
+//! What a scene plans that can never happen: it may be run, but is surely not what was meant.
+
+use super::description::{Body, SceneDescription};
+
+/// Everything that can never act: (path, message) of each.
+pub(super) fn doubts(scene: &SceneDescription) -> Vec<(String, String)> {
+    let idle = Idle { scene };
+    let mut found = idle.entrances();
+    found.extend(idle.removals());
+    found.extend(idle.contact_changes());
+    found.extend(idle.pulls());
+    found
+}
+
+struct Idle<'a> {
+    scene: &'a SceneDescription,
+}
+
+impl Idle<'_> {
+    /// Why nothing happens at a time, if it is beyond the end.
+    fn beyond_the_end(&self, at_s: f64) -> Option<String> {
+        let end_s = self.scene.duration_s;
+        (at_s >= end_s).then(|| format!("at {at_s} s, but the scene ends at {end_s} s (`time.duration`)"))
+    }
+
+    fn body(&self, name: &str) -> Option<&Body> {
+        self.scene.bodies.iter().find(|body| body.names_of_copies().iter().any(|copy| copy == name))
+    }
+
+    /// When a body is taken out, s.
+    fn leaves_s(&self, name: &str) -> f64 {
+        let own = self.scene.removals.iter().filter(|removal| removal.body == name);
+        own.map(|removal| removal.at_s).fold(f64::INFINITY, f64::min)
+    }
+
+    fn entrances(&self) -> Vec<(String, String)> {
+        let late = |(index, body): (usize, &Body)| {
+            let why = self.beyond_the_end(body.enters_s?)?;
+            let message = format!("`{}` never comes in: that would be {why}", body.name);
+            Some((format!("bodies[{index}].enters"), message))
+        };
+        self.scene.bodies.iter().enumerate().filter_map(late).collect()
+    }
+
+    fn removals(&self) -> Vec<(String, String)> {
+        let mut found = Vec::new();
+        for (index, removal) in self.scene.removals.iter().enumerate() {
+            let path = format!("removals[{index}]");
+            let enters_s = self.body(&removal.body).and_then(|body| body.enters_s).unwrap_or(0.0);
+            let message = if let Some(why) = self.beyond_the_end(removal.at_s) {
+                format!("`{path}` never acts: it is {why}")
+            } else if removal.at_s < enters_s {
+                format!(
+                    "`{path}` never acts: `{}` is to be taken out at {} s, but comes in only at {enters_s} s",
+                    removal.body, removal.at_s
+                )
+            } else {
+                continue;
+            };
+            found.push((format!("{path}.at"), message));
+        }
+        found
+    }
+
+    fn contact_changes(&self) -> Vec<(String, String)> {
+        let changes = self.scene.contact_changes.iter().enumerate();
+        let late = changes.filter_map(|(index, late)| {
+            let path = format!("contact_changes[{index}]");
+            let why = self.beyond_the_end(late.at_s)?;
+            Some((format!("{path}.at"), format!("`{path}` never acts: it is {why}")))
+        });
+        late.collect()
+    }
+
+    fn pulls(&self) -> Vec<(String, String)> {
+        let mut found = Vec::new();
+        for (index, pull) in self.scene.pulls.iter().enumerate() {
+            let path = format!("pulls[{index}]");
+            let leaves_s = self.leaves_s(&pull.body);
+            let message = if let Some(why) = self.beyond_the_end(pull.begins_s()) {
+                format!("`{path}` never acts: it begins {why}")
+            } else if leaves_s <= pull.begins_s() {
+                format!(
+                    "`{path}` never acts: it begins at {} s, but `{}` is taken out at {leaves_s} s",
+                    pull.begins_s(),
+                    pull.body
+                )
+            } else {
+                continue;
+            };
+            found.push((format!("{path}.path"), message));
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scene;
+
+    fn warnings(more: &str) -> Vec<String> {
+        let text = format!("{}\n{more}", include_str!("../../assets/scenes/bounce.toml"));
+        Scene::from_text("b.toml", &text, std::path::Path::new("."), &[]).unwrap().warnings
+    }
+
+    #[test]
+    fn what_can_never_act_is_warned_about() {
+        let pull = |time: f64| {
+            format!(
+                "[[pulls]]\nbody = \"ball\"\nat = [0, 0, 1]\npath = [{{ time = {time}, point = [0, 0, 1] }}, \
+                 {{ time = {}, point = [0, 0, 2] }}]\n",
+                time + 0.1
+            )
+        };
+        let removal = |at: f64| format!("[[removals]]\nbody = \"ball\"\nat = {at}\n");
+        let change = |at: f64| format!("[[contact_changes]]\nat = {at}\nfriction = 0.2\n");
+        let sound = [pull(0.1), removal(0.3), change(0.1)].concat();
+        assert_eq!(warnings(&sound), [""; 0]);
+        for (text, part) in [
+            (pull(500.0), "`pulls[0]` never acts: it begins at 500 s, but the scene ends"),
+            (removal(500.0), "`removals[0]` never acts: it is at 500 s, but the scene ends"),
+            (change(500.0), "`contact_changes[0]` never acts: it is at 500 s, but the scene ends"),
+            (format!("{}{}", removal(0.1), pull(0.2)), "but `ball` is taken out at 0.1 s"),
+        ] {
+            let found = warnings(&text);
+            assert!(found.len() == 1 && found[0].contains(part), "{found:?}");
+            assert!(found[0].starts_with("b.toml:"), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_body_that_comes_in_after_the_end_is_warned_about() {
+        let late = |overrides: &[&str]| {
+            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+            Scene::load("bounce", &overrides).unwrap().warnings
+        };
+        assert_eq!(late(&["bodies[0].enters=0.1"]), [""; 0]);
+        let found = late(&["bodies[0].enters=77"]);
+        assert!(
+            found.len() == 1
+                && found[0].contains("never comes in: that would be at 77 s, but the scene ends"),
+            "{found:?}"
+        );
+    }
+}
