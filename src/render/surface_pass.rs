@@ -61,7 +61,7 @@ impl SurfacePass {
         );
         let shader = bindings::shader(device, "surface pass", &with_prelude(WGSL));
         let layouts = [&frame.layout, &layout];
-        let pipeline = |entry, (samples, constants)| {
+        let pipeline = |entry: &str, samples| {
             let parts = PipelineParts {
                 vertex_buffer: Some(VERTEX_LAYOUT),
                 fragment: Some((entry, SCENE_FORMAT)),
@@ -69,19 +69,18 @@ impl SurfacePass {
                 // Surfaces of tetrahedral meshes are closed: their insides are never seen.
                 cull: Some(wgpu::Face::Back),
                 samples,
-                constants,
                 ..PipelineParts::full_screen("surface pass", &shader, &layouts, SCENE_FORMAT)
             };
             parts.build(device)
         };
-        let pipelines = |of: (u32, &'static [(&'static str, f64)])| Pipelines {
-            all: pipeline("fragment", of),
-            above_floor: pipeline("fragment_above_floor", of),
+        let pipelines = |[all, above_floor]: [&str; 2], quality: Quality| Pipelines {
+            all: pipeline(all, quality.samples()),
+            above_floor: pipeline(above_floor, quality.samples()),
         };
-        let draft = Quality::draft([1, 1]);
+        let draft = ["draft_fragment", "draft_fragment_above_floor"];
         Self {
-            fine: pipelines((Quality::FULL.samples(), &[])),
-            draft: pipelines((draft.samples(), &[("shadow_taps", 1.0)])),
+            fine: pipelines(["fragment", "fragment_above_floor"], Quality::FULL),
+            draft: pipelines(draft, Quality::draft([1, 1])),
             group,
         }
     }
