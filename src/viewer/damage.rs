@@ -7,9 +7,9 @@ use egui::{Color32, Rect, pos2};
 /// Shapes that are looked through for one that is missing or new.
 const LOOK_AHEAD: usize = 48;
 /// Rectangles that are painted one by one at most.
-const MOST_PARTS: usize = 8;
-/// Two rectangles are painted as one if that is at most so much more area.
-const WASTE: f32 = 1.3;
+const MOST_PARTS: usize = 12;
+/// Two rectangles are painted as one if that adds at most so much to the smaller one: a share of it, and pixels.
+const WASTE: (f32, f32) = (0.3, 1000.0);
 /// From this share of the window on, all of it is painted.
 const MOST_SHARE: f32 = 0.7;
 /// How far edges are smoothed beyond a shape, pixels.
@@ -112,7 +112,8 @@ impl Parts {
         if !part.is_positive() {
             return;
         }
-        let merges = |a: Rect, b: Rect| is_over(a, b) || a.union(b).area() <= WASTE * (a.area() + b.area());
+        let is_close = |a: Rect, b: Rect| waste(a, b) <= WASTE.0 * a.area().min(b.area()) + WASTE.1;
+        let merges = |a: Rect, b: Rect| is_over(a, b) || is_close(a, b);
         while let Some(at) = self.0.iter().position(|other| merges(*other, part)) {
             part = part.union(self.0.swap_remove(at));
         }
@@ -125,11 +126,8 @@ impl Parts {
     fn merge_nearest(&mut self) {
         let count = self.0.len();
         let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
-        let waste = |(a, b): &(usize, usize)| {
-            let (a, b) = (self.0[*a], self.0[*b]);
-            a.union(b).area() - a.area() - b.area()
-        };
-        let Some((a, b)) = pairs.min_by(|x, y| waste(x).total_cmp(&waste(y))) else { return };
+        let waste_of = |(a, b): &(usize, usize)| waste(self.0[*a], self.0[*b]);
+        let Some((a, b)) = pairs.min_by(|x, y| waste_of(x).total_cmp(&waste_of(y))) else { return };
         // The later one first, so that the other keeps its place.
         let merged = self.0.swap_remove(b).union(self.0.swap_remove(a));
         self.add(merged);
@@ -138,6 +136,11 @@ impl Parts {
     fn area(&self) -> f32 {
         self.0.iter().map(Rect::area).sum()
     }
+}
+
+/// Pixels that are painted in vain if two rectangles are painted as one.
+fn waste(a: Rect, b: Rect) -> f32 {
+    a.union(b).area() - a.area() - b.area()
 }
 
 /// Whether two rectangles share any area.
@@ -208,6 +211,14 @@ mod tests {
         assert_eq!(before.changes_since(&fewer, false), [place]);
         assert!(place.contains_rect(Rect::from_min_size(pos2(160.0, 20.0), vec2(10.0, 10.0))));
         assert_eq!(before.shapes_in(place).len(), 1);
+    }
+
+    #[test]
+    fn a_new_picture_does_not_drag_along_what_is_between_it_and_a_number() {
+        let before = layout(vec![square(20.0, 20.0, Color32::RED)]);
+        let now = layout(vec![square(20.0, 20.0, Color32::BLUE)]);
+        let parts = now.changes_since(&before, true);
+        assert_eq!(parts, [now.picture.unwrap(), now.extent(&now.shapes[0])]);
     }
 
     #[test]

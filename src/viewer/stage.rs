@@ -150,7 +150,8 @@ impl Stage {
         let mut picture = self.fitting_picture(size_px);
         let wanted = (request.frame.clone(), request.camera, request.view);
         let steering = self.steering.as_mut().filter(|_| !app.look.is_always_fine);
-        let plan = plan(&picture, wanted, steering, now);
+        let is_playing = app.snapshot.is_playing || app.player.is_playing();
+        let plan = plan(&picture, wanted, steering, (now, is_playing));
         app.detail = self.steering.as_ref().filter(|_| !app.look.is_always_fine).and_then(Steering::name);
         // The panels paint it only where it cannot be copied.
         app.picture = (!self.can_copy).then_some(picture.id);
@@ -325,7 +326,12 @@ struct Plan {
     more: Option<Duration>,
 }
 
-fn plan(picture: &Picture, wanted: Sight, steering: Option<&mut Steering>, now: Duration) -> Plan {
+fn plan(
+    picture: &Picture,
+    wanted: Sight,
+    steering: Option<&mut Steering>,
+    (now, is_playing): (Duration, bool),
+) -> Plan {
     let Some(steering) = steering else {
         let is_shown = picture.quality == Quality::FULL
             && picture.shows.as_ref().is_some_and(|shown| is_same(shown, &wanted));
@@ -338,14 +344,14 @@ fn plan(picture: &Picture, wanted: Sight, steering: Option<&mut Steering>, now: 
         return Plan {
             draw: Some((wanted, quality)),
             drawn: Drawn::InMotion(true),
-            more: steering.until_rest(now),
+            more: steering.until_rest(now, is_playing),
         };
     };
     if is_same(shown, &wanted) {
         if picture.quality == Quality::FULL {
             return Plan { draw: None, drawn: Drawn::Nothing, more: None };
         }
-        let more = steering.until_rest(now);
+        let more = steering.until_rest(now, is_playing);
         let draw = more.is_none().then_some((wanted, Quality::FULL));
         return Plan { draw, drawn: Drawn::AtRest, more };
     }
@@ -355,7 +361,7 @@ fn plan(picture: &Picture, wanted: Sight, steering: Option<&mut Steering>, now: 
     let (sight, more) = match steering.until_moment(now).filter(|_| is_new && is_same_look) {
         // Large scenes show each moment a while; the camera turns meanwhile.
         Some(wait) => ((shown.0.clone(), wanted.1, shown.2.clone()), wait),
-        None => (wanted, steering.until_rest(now).unwrap_or_default()),
+        None => (wanted, steering.until_rest(now, is_playing).unwrap_or_default()),
     };
     let is_new = !Arc::ptr_eq(&shown.0, &sight.0);
     let draw = (!is_same(shown, &sight)).then(|| (sight, steering.in_motion()));

@@ -17,8 +17,10 @@ const SLOW_FRAMES: u32 = 2;
 const PATIENCE: u32 = 40;
 /// ... and at most: a level that turned out too slow is tried again ever less often.
 const LONGEST_PATIENCE: u32 = 2560;
-/// How long the picture has to stand still before it is drawn finely, which may take a while.
+/// How long the picture has to stand still before it is drawn finely, which may take a while ...
 const REST: Duration = Duration::from_millis(250);
+/// ... and how long while time runs, so that the next moment is about to come.
+const REST_BETWEEN_MOMENTS: Duration = Duration::from_millis(1000);
 
 /// From the finest to the quickest, and what they are called.
 const LEVELS: [(Quality, &str); 4] = [
@@ -76,8 +78,9 @@ impl Steering {
 
     /// How long everything has to stand still yet before it is drawn finely; `None` when it has stood so long.
     #[must_use]
-    pub fn until_rest(&self, now: Duration) -> Option<Duration> {
-        (self.moved_at + REST).checked_sub(now).filter(|left| !left.is_zero())
+    pub fn until_rest(&self, now: Duration, is_playing: bool) -> Option<Duration> {
+        let rest = if is_playing { REST_BETWEEN_MOMENTS } else { REST };
+        (self.moved_at + rest).checked_sub(now).filter(|left| !left.is_zero())
     }
 
     /// How long a new moment has to wait yet; `None` when it may be drawn.
@@ -176,11 +179,13 @@ mod tests {
     fn rest_is_when_nothing_has_moved_for_a_while() {
         let mut steering = Steering::default();
         steering.moved(1000 * MS);
-        assert_eq!(steering.until_rest(1000 * MS), Some(REST));
-        assert_eq!(steering.until_rest(1100 * MS), Some(REST - 100 * MS));
-        assert_eq!(steering.until_rest(1000 * MS + REST), None);
+        assert_eq!(steering.until_rest(1000 * MS, false), Some(REST));
+        assert_eq!(steering.until_rest(1100 * MS, false), Some(REST - 100 * MS));
+        assert_eq!(steering.until_rest(1000 * MS + REST, false), None);
         steering.moved(1200 * MS);
-        assert_eq!(steering.until_rest(1200 * MS), Some(REST));
+        assert_eq!(steering.until_rest(1200 * MS, false), Some(REST));
+        // While time runs, more is about to come.
+        assert_eq!(steering.until_rest(1200 * MS + REST, true), Some(REST_BETWEEN_MOMENTS - REST));
     }
 
     #[test]
