@@ -77,8 +77,14 @@ fn the_window_answers_while_fifty_thousand_elements_are_simulated() {
     assert!(window.app.snapshot.frame.status.elements >= 50_000);
     frames(&mut window, &mut turning, 5);
     let steps = window.app.snapshot.frame.status.steps;
-    let running = frames(&mut window, &mut turning, 40);
-    assert!(window.app.snapshot.is_playing && window.app.snapshot.frame.status.steps > steps);
+    let mut running = frames(&mut window, &mut turning, 40);
+    let asked = Instant::now();
+    // The window goes first where cores are scarce: a step may take long then, but comes.
+    while window.app.snapshot.frame.status.steps <= steps {
+        running.note(turning.frame(&mut window).unwrap());
+        assert!(asked.elapsed() < TIME_LIMIT, "the simulation stands still");
+    }
+    assert!(window.app.snapshot.is_playing);
     window.app.press_for_test(Command::Pause);
     wait(&mut window, "the pause", |app| !app.snapshot.is_playing && !app.is_waiting());
     let paused = frames(&mut window, &mut turning, 40);
@@ -150,21 +156,20 @@ fn frames_do_not_wait_for_new_moments() {
     window.steer();
     window.assumed = Some(Duration::from_millis(90));
     turn_away(&mut window, 6);
-    let (mut offered, mut drawn) = (0, 0);
+    let (mut frames, mut drawn) = (0, 0);
     let mut last = window.drawn_frame();
     let asked = Instant::now();
-    while offered < 30 {
-        let before = window.app.snapshot.clone();
+    while drawn < 10 {
         let camera = window.app.look.camera;
         turn_away(&mut window, 1);
         assert_ne!(window.app.look.camera, camera);
-        offered += u32::from(!Arc::ptr_eq(&before, &window.app.snapshot));
+        frames += 1;
         let now = window.drawn_frame();
         drawn += u32::from(!Arc::ptr_eq(now.as_ref().unwrap(), last.as_ref().unwrap()));
         last = now;
         assert!(asked.elapsed() < TIME_LIMIT, "time stands still");
     }
-    assert!(drawn > 0 && drawn <= 20, "{drawn} of {offered}");
+    assert!(2 * drawn <= frames + 1, "new moments in {drawn} of {frames} frames");
 }
 
 /// What changes is painted into what is there already: the same bytes as all of it painted anew.
