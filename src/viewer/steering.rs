@@ -9,8 +9,9 @@ use std::time::Duration;
 
 /// Frames that take longer than this are too slow: an answer takes up to one frame, and the layout of the next.
 const SLOW: Duration = Duration::from_millis(36);
-/// Frames that take less may be drawn more finely: some levels differ by a factor of two.
-const QUICK: Duration = Duration::from_millis(16);
+/// Frames that take less may be drawn more finely: levels differ by a factor of up to two and a half, and one that turns
+/// out too slow is left again.
+const QUICK: Duration = Duration::from_millis(20);
 /// Slow frames in a row after which the level falls; a single one may be due to anything.
 const SLOW_FRAMES: u32 = 2;
 /// Quick frames in a row after which the level rises, at first ...
