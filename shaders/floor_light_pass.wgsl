@@ -6,10 +6,10 @@
 @group(1) @binding(1) var height_map: texture_depth_2d;
 
 const GOLDEN_ANGLE: f32 = 2.3999632;
-// Few taps are enough: the blur that follows gathers those of sixteen texels.
-const SEARCH_TAPS: i32 = 10;
-const SHADOW_TAPS: i32 = 16;
-const AMBIENT_TAPS: i32 = 12;
+// Few taps are enough: the blur that follows gathers those of sixteen texels. Drafts take fewer.
+override search_taps: i32 = 10;
+override shadow_taps: i32 = 16;
+override ambient_taps: i32 = 12;
 
 struct VertexOutput {
     @builtin(position) position: vec4<f32>,
@@ -58,8 +58,8 @@ fn key_visibility(point: vec3<f32>, turn: f32) -> f32 {
 
     var blockers = 0.0;
     var depth_sum = 0.0;
-    for (var i = 0; i < SEARCH_TAPS; i++) {
-        let depth = blocker_depth(uv + disk_tap(i, SEARCH_TAPS, turn) * farthest, size);
+    for (var i = 0; i < search_taps; i++) {
+        let depth = blocker_depth(uv + disk_tap(i, search_taps, turn) * farthest, size);
         if depth < 1.0 {
             blockers += 1.0;
             depth_sum += depth;
@@ -71,10 +71,10 @@ fn key_visibility(point: vec3<f32>, turn: f32) -> f32 {
     let distance = max(projected.z - depth_sum / blockers, 0.0) * frame.shadow_depth;
     let radius = max(distance * frame.light_spread / side, 1.2 / size.x);
     var open = 0.0;
-    for (var i = 0; i < SHADOW_TAPS; i++) {
-        open += step(1.0, blocker_depth(uv + disk_tap(i, SHADOW_TAPS, turn) * radius, size));
+    for (var i = 0; i < shadow_taps; i++) {
+        open += step(1.0, blocker_depth(uv + disk_tap(i, shadow_taps, turn) * radius, size));
     }
-    return open / f32(SHADOW_TAPS);
+    return open / f32(shadow_taps);
 }
 
 // The share of ambient light that arrives: what hangs low nearby takes some.
@@ -83,8 +83,8 @@ fn ambient_visibility(place: vec2<f32>, turn: f32) -> f32 {
     let radius = frame.floor_reach / frame.floor_map_side;
     var taken = 0.0;
     var weights = 0.0;
-    for (var i = 0; i < AMBIENT_TAPS; i++) {
-        let tap = disk_tap(i, AMBIENT_TAPS, turn);
+    for (var i = 0; i < ambient_taps; i++) {
+        let tap = disk_tap(i, ambient_taps, turn);
         let near = 1.0 - 0.8 * length(tap);
         let uv = place + tap * radius;
         var height = 1.0;

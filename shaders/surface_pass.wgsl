@@ -52,7 +52,7 @@ const SHADOW_BLUR: f32 = 3.0;
 
 // The share of the key light that arrives. The point is lifted off its surface, the more the
 // flatter the light falls and the wider the filter, so that no surface shadows itself.
-fn key_visibility(world: vec3<f32>, normal: vec3<f32>, facing: f32) -> f32 {
+fn key_visibility(world: vec3<f32>, normal: vec3<f32>, facing: f32, is_draft: bool) -> f32 {
     let slope = sqrt(saturate(1.0 - facing * facing));
     let lift = frame.shadow_texel * (0.7 + SHADOW_BLUR * slope);
     let projected = frame.shadow_from_world * vec4<f32>(world + normal * lift, 1.0);
@@ -61,6 +61,10 @@ fn key_visibility(world: vec3<f32>, normal: vec3<f32>, facing: f32) -> f32 {
     // Bilinear comparisons on an inner and an outer ring, turned against the grid.
     let inner = vec2<f32>(0.36, 0.15);
     let outer = vec2<f32>(0.36, 0.86);
+    // Two opposite ones are enough for a draft.
+    if is_draft {
+        return 0.5 * (tap(uv, reach * inner, projected.z) + tap(uv, -reach * inner, projected.z));
+    }
     let open = tap(uv, reach * inner, projected.z)
         + tap(uv, reach * vec2<f32>(-inner.y, inner.x), projected.z)
         + tap(uv, -reach * inner, projected.z)
@@ -114,20 +118,34 @@ fn shoulder(color: vec3<f32>) -> vec3<f32> {
 
 @fragment
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
-    return shaded(in);
+    return shaded(in, false);
 }
 
-// Leaves out what is below the floor. Separate, since discarding costs the early depth test.
+@fragment
+fn draft_fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+    return shaded(in, true);
+}
+
+// These leave out what is below the floor. Separate, since discarding costs the early depth test.
 @fragment
 fn fragment_above_floor(in: VertexOutput) -> @location(0) vec4<f32> {
-    let color = shaded(in);
+    return cut_by_floor(in, false);
+}
+
+@fragment
+fn draft_fragment_above_floor(in: VertexOutput) -> @location(0) vec4<f32> {
+    return cut_by_floor(in, true);
+}
+
+fn cut_by_floor(in: VertexOutput, is_draft: bool) -> vec4<f32> {
+    let color = shaded(in, is_draft);
     if in.world.z < frame.floor_height && frame.eye.z > frame.floor_height {
         discard;
     }
     return color;
 }
 
-fn shaded(in: VertexOutput) -> vec4<f32> {
+fn shaded(in: VertexOutput, is_draft: bool) -> vec4<f32> {
     let normal = normalize(in.normal);
     let to_eye = normalize(frame.eye - in.world);
     let facing = dot(normal, frame.towards_light);
@@ -146,7 +164,7 @@ fn shaded(in: VertexOutput) -> vec4<f32> {
 
     var key = 0.0;
     if facing > 0.0 {
-        key = facing * key_visibility(in.world, normal, facing);
+        key = facing * key_visibility(in.world, normal, facing, is_draft);
     }
     // Near the floor, less light comes from below.
     let above_floor = max(in.world.z - frame.floor_height, 0.0) / frame.floor_reach;

@@ -2,8 +2,6 @@
 
 use wgpu::BindingType;
 
-/// Samples per pixel of the scene.
-pub(crate) const SAMPLES: u32 = 4;
 /// Format of the scene before it reaches the target. Shaders encode to sRGB themselves.
 pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of all depth textures.
@@ -99,6 +97,8 @@ pub(crate) struct PipelineParts<'a> {
     pub depth: Option<wgpu::DepthStencilState>,
     pub cull: Option<wgpu::Face>,
     pub samples: u32,
+    /// Values of the shader's `override`s that differ from what it says itself.
+    pub constants: &'a [(&'a str, f64)],
 }
 
 impl<'a> PipelineParts<'a> {
@@ -119,6 +119,7 @@ impl<'a> PipelineParts<'a> {
             depth: None,
             cull: None,
             samples: 1,
+            constants: &[],
         }
     }
 
@@ -131,13 +132,14 @@ impl<'a> PipelineParts<'a> {
             immediate_size: 0,
         });
         let target = self.fragment.map(|(_, format)| Some(format.into()));
+        let options = wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(self.label),
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: self.shader,
                 entry_point: Some(self.vertex_entry),
-                compilation_options: Default::default(),
+                compilation_options: options.clone(),
                 buffers: &[self.vertex_buffer],
             },
             primitive: wgpu::PrimitiveState { cull_mode: self.cull, ..Default::default() },
@@ -146,7 +148,7 @@ impl<'a> PipelineParts<'a> {
             fragment: self.fragment.map(|(entry, _)| wgpu::FragmentState {
                 module: self.shader,
                 entry_point: Some(entry),
-                compilation_options: Default::default(),
+                compilation_options: options,
                 targets: target.as_slice(),
             }),
             multiview_mask: None,

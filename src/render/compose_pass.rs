@@ -1,6 +1,6 @@
 //! The finished picture: bodies over floor and background, in a rectangle of the target.
 
-use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts, SAMPLES, SCENE_FORMAT};
+use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts, SCENE_FORMAT};
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
 use wgpu::{BindingResource, BindingType, TextureFormat, TextureUsages};
 
@@ -18,8 +18,9 @@ pub(crate) struct ComposePass {
 #[derive(Debug)]
 pub(crate) struct SceneTextures {
     pub size_px: [u32; 2],
-    /// Four samples per pixel.
-    pub color: wgpu::TextureView,
+    pub samples: u32,
+    /// Several samples per pixel; `None` where one is enough.
+    pub color: Option<wgpu::TextureView>,
     pub depth: wgpu::TextureView,
     /// One sample per pixel.
     pub resolved: wgpu::TextureView,
@@ -54,7 +55,7 @@ impl ComposePass {
         }
     }
 
-    pub fn new_textures(&self, device: &wgpu::Device, size_px: [u32; 2]) -> SceneTextures {
+    pub fn new_textures(&self, device: &wgpu::Device, size_px: [u32; 2], samples: u32) -> SceneTextures {
         let texture = |label, format, sample_count, usage| {
             let texture = device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -77,8 +78,9 @@ impl ComposePass {
         ];
         SceneTextures {
             size_px,
-            color: texture("body samples", SCENE_FORMAT, SAMPLES, none),
-            depth: texture("body depth", DEPTH_FORMAT, SAMPLES, none),
+            samples,
+            color: (samples > 1).then(|| texture("body samples", SCENE_FORMAT, samples, none)),
+            depth: texture("body depth", DEPTH_FORMAT, samples, none),
             group: bindings::group(device, &self.layout, &resources),
             resolved,
         }

@@ -36,6 +36,7 @@ impl DepthPass {
             depth: Some(depth_state()),
             cull: None,
             samples: 1,
+            constants: &[],
         };
         Self { pipeline: pipeline.build(device), layout }
     }

@@ -3,6 +3,7 @@
 use crate::render::bindings::{self, PipelineParts};
 use crate::render::depth_pass::DepthMap;
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
+use crate::render::quality::Quality;
 use wgpu::BindingResource;
 
 pub(crate) const WGSL: &str = include_str!("../../shaders/floor_light_pass.wgsl");
@@ -10,11 +11,15 @@ pub(crate) const WGSL: &str = include_str!("../../shaders/floor_light_pass.wgsl"
 /// Two channels are enough, and eight bits for what is at most a shade of grey.
 pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 
+/// A third of what the shader says, which is a third of its time: a little grain in soft shadows.
+const DRAFT_TAPS: &[(&str, f64)] = &[("search_taps", 4.0), ("shadow_taps", 5.0), ("ambient_taps", 4.0)];
+
 #[derive(Debug)]
 pub(crate) struct FloorLightPass {
     /// Key light in red, ambient light in green; see `FloorFit` for where it lies.
     pub map: wgpu::TextureView,
-    pipeline: wgpu::RenderPipeline,
+    fine: wgpu::RenderPipeline,
+    draft: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
 }
 
@@ -24,18 +29,22 @@ impl FloorLightPass {
         let layout = bindings::layout(device, "floor light pass", &types);
         let shader = bindings::shader(device, "floor light pass", &with_prelude(WGSL));
         let layouts = [&frame.layout, &layout];
-        let parts = PipelineParts::full_screen("floor light pass", &shader, &layouts, FORMAT);
+        let pipeline = |constants| {
+            let parts = PipelineParts::full_screen("floor light pass", &shader, &layouts, FORMAT);
+            PipelineParts { constants, ..parts }.build(device)
+        };
         let texture = bindings::render_texture(device, "floor light", [side_px; 2], FORMAT);
         Self {
             map: bindings::whole(&texture),
-            pipeline: parts.build(device),
+            fine: pipeline(&[]),
+            draft: pipeline(DRAFT_TAPS),
             group: bindings::group(device, &layout, &maps.map(|map| BindingResource::TextureView(&map.view))),
         }
     }
 
-    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, frame: &FrameBinding) {
+    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, frame: &FrameBinding, quality: Quality) {
         let mut pass = begin(encoder, &self.map);
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(if quality.is_draft { &self.draft } else { &self.fine });
         pass.set_bind_group(0, &frame.group, &[]);
         pass.set_bind_group(1, &self.group, &[]);
         pass.draw(0..3, 0..1);

@@ -56,7 +56,7 @@ pub struct Geometry {
 }
 
 /// What the colours depend on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coloring {
     /// Meaning.
     pub color_by: ColorBy,

@@ -14,6 +14,9 @@
 //!
 //! [`paint`] draws diagrams, flat and without a GPU.
 //!
+//! [`Renderer::render_again`] is for windows: it keeps what hangs on the frame alone while only the camera moves, and
+//! draws less finely if so told ([`Quality`]).
+//!
 //! The GPU half of `x_pass.rs` is `shaders/x_pass.wgsl`.
 //!
 //! ```no_run
@@ -45,6 +48,7 @@ mod color_map;
 mod compose_pass;
 mod crosses;
 mod depth_pass;
+mod enlarge_pass;
 mod floor_blur_pass;
 mod floor_light_pass;
 mod frame_uniforms;
@@ -54,6 +58,7 @@ mod gpu;
 mod light;
 mod off_screen;
 mod overlay;
+mod quality;
 mod range;
 mod renderer;
 mod section;
@@ -68,6 +73,7 @@ pub use crosses::{cross_scale_pa, look_inside};
 pub use framing::{Floor, Framing};
 pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};
 pub use off_screen::{OffScreen, Picture};
+pub use quality::Quality;
 pub use range::{Range, parse_with_unit, short, si_prefix, with_unit};
 pub use renderer::{Renderer, Target};
 pub use section::Cut;
@@ -78,10 +84,11 @@ mod tests {
     use super::*;
 
     /// Every shader, as the device gets it.
-    fn shaders() -> [(&'static str, String); 5] {
+    fn shaders() -> [(&'static str, String); 6] {
         let with_prelude = frame_uniforms::with_prelude;
         [
             ("depth_pass", depth_pass::WGSL.to_owned()),
+            ("enlarge_pass", enlarge_pass::WGSL.to_owned()),
             ("floor_blur_pass", floor_blur_pass::WGSL.to_owned()),
             ("floor_light_pass", with_prelude(floor_light_pass::WGSL)),
             ("surface_pass", with_prelude(surface_pass::WGSL)),

@@ -4,6 +4,7 @@ use crate::frame::Frame;
 use crate::render::camera::Camera;
 use crate::render::compose_pass::{ComposePass, SceneTextures};
 use crate::render::depth_pass::{DepthMap, DepthPass};
+use crate::render::enlarge_pass::{EnlargePass, SmallPicture};
 use crate::render::floor_blur_pass::FloorBlurPass;
 use crate::render::floor_light_pass::FloorLightPass;
 use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
@@ -12,11 +13,13 @@ use crate::render::geometry::{Coloring, Geometry, GeometryBuilder, SurfaceVertex
 use crate::render::gpu::{Gpu, GpuError};
 use crate::render::light::{FloorFit, KEY_LIGHT_SPREAD, ShadowFit, TOWARDS_KEY_LIGHT};
 use crate::render::overlay::{Overlay, OverlayContent, Placement, map_of};
+use crate::render::quality::Quality;
 use crate::render::range::Range;
 use crate::render::surface_pass::{SurfacePass, map_row};
 use crate::render::theme::Theme;
 use crate::render::view::{Ground, View};
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// Side of the key light's shadow map, texels.
 const SHADOW_SIDE_PX: u32 = 1024;
@@ -83,10 +86,25 @@ pub struct Renderer {
     floor_blur_pass: FloorBlurPass,
     surface_pass: SurfacePass,
     compose_pass: ComposePass,
+    enlarge_pass: EnlargePass,
     overlay: Overlay,
     geometry: GeometryBuilder,
     vertices: wgpu::Buffer,
     textures: Option<SceneTextures>,
+    small: Option<SmallPicture>,
+    known: Option<Known>,
+}
+
+/// What vertices and light maps on the GPU were made of.
+#[derive(Debug)]
+struct Known {
+    frame: Arc<Frame>,
+    coloring: Coloring,
+    floor: Option<Floor>,
+    /// Whether the light maps are a draft.
+    is_draft: bool,
+    /// Vertices.
+    count: u32,
 }
 
 impl Renderer {
@@ -105,10 +123,13 @@ impl Renderer {
         Self {
             surface_pass: SurfacePass::new((device, &gpu.queue), &frame, &shadow_map),
             compose_pass: ComposePass::new(device, &frame, &floor_blur_pass.map, target_format),
+            enlarge_pass: EnlargePass::new(device, target_format),
             overlay: Overlay::new(device, target_format),
             geometry: GeometryBuilder::default(),
             vertices: vertex_buffer(device, 1 << 16),
             textures: None,
+            small: None,
+            known: None,
             gpu: gpu.clone(),
             frame,
             depth_pass,
@@ -133,6 +154,32 @@ impl Renderer {
         camera: &Camera,
         view: &View,
     ) -> Result<(), GpuError> {
+        self.known = None;
+        self.draw(target, (frame, None), (camera, view), Quality::FULL)
+    }
+
+    /// As [`Self::render`], less finely if so told. While the same frame comes again in the same colours, its vertices
+    /// and light maps are kept.
+    ///
+    /// # Errors
+    /// As for [`Self::render`].
+    pub fn render_again(
+        &mut self,
+        target: Target<'_>,
+        frame: &Arc<Frame>,
+        (camera, view): (&Camera, &View),
+        quality: Quality,
+    ) -> Result<(), GpuError> {
+        self.draw(target, (frame, Some(frame)), (camera, view), quality)
+    }
+
+    fn draw(
+        &mut self,
+        target: Target<'_>,
+        (frame, shared): (&Frame, Option<&Arc<Frame>>),
+        (camera, view): (&Camera, &View),
+        quality: Quality,
+    ) -> Result<(), GpuError> {
         if target.size_px.contains(&0) {
             return Ok(());
         }
@@ -145,21 +192,35 @@ impl Renderer {
             range: range.unwrap_or(Range { low: 0.0, high: 1.0 }),
             cross_scale_pa,
         };
-        let count = self.upload(frame, floor, coloring)?;
+        let before = self.known.take().filter(|known| {
+            let is_same = shared.is_some_and(|frame| Arc::ptr_eq(frame, &known.frame));
+            is_same && (known.coloring, known.floor) == (coloring, floor)
+        });
+        let count = match &before {
+            Some(known) => known.count,
+            None => self.upload(frame, floor, coloring)?,
+        };
         let fits = self.fits(floor);
-        self.write_uniforms(target, camera, view, &fits);
-        self.fit_textures(target.size_px);
+        self.write_uniforms(target, (camera, view), &fits, quality);
+        self.fit_textures(target.size_px, quality);
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.draw_light(&mut encoder, &fits);
-        self.draw_scene(&mut encoder, &fits, count);
+        // A draft is content with better light.
+        let is_lit = before.as_ref().is_some_and(|known| quality.is_draft || !known.is_draft);
+        if !is_lit {
+            self.draw_light(&mut encoder, &fits, quality);
+        }
+        self.draw_scene(&mut encoder, &fits, count, quality);
         let content = OverlayContent { view, time_s: frame.time_s, range, cross_scale_pa };
         self.draw_on_target(&mut encoder, target, &content);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.check().inspect_err(|_| {
             // They may be what failed; the next picture gets new ones.
             self.textures = None;
-        })
+        })?;
+        let is_draft = before.filter(|_| is_lit).map_or(quality.is_draft, |known| known.is_draft);
+        self.known = shared.map(|frame| Known { frame: frame.clone(), coloring, floor, is_draft, count });
+        Ok(())
     }
 
     /// Brings the frame's triangles to the GPU; returns the number of vertices.
@@ -188,10 +249,20 @@ impl Renderer {
         Fits::new(self.geometry.geometry(), floor, self.shadow_map.side_px)
     }
 
-    fn write_uniforms(&self, target: Target<'_>, camera: &Camera, view: &View, fits: &Fits) {
+    fn write_uniforms(
+        &self,
+        target: Target<'_>,
+        (camera, view): (&Camera, &View),
+        fits: &Fits,
+        quality: Quality,
+    ) {
         let queue = &self.gpu.queue;
         let theme = Theme::of(view.background);
-        let uniforms = uniforms(target, camera, view, fits, &theme);
+        let mut uniforms = uniforms(target, camera, view, fits, &theme);
+        if quality.drawn_px(target.size_px) != target.size_px {
+            uniforms.picture_origin = [0.0; 2];
+            uniforms.wire_width = (view.pixels_per_point * quality.share()).max(1.0);
+        }
         self.frame.write(queue, &uniforms);
         self.shadow_map.set_matrix(queue, fits.shadow.shadow_from_world);
         if let Some(floor) = &fits.floor {
@@ -199,30 +270,34 @@ impl Renderer {
         }
     }
 
-    fn fit_textures(&mut self, size_px: [u32; 2]) {
-        if self.textures.as_ref().is_none_or(|t| t.size_px != size_px) {
-            let textures = self.compose_pass.new_textures(&self.gpu.device, size_px);
-            self.textures = Some(textures);
+    fn fit_textures(&mut self, target_px: [u32; 2], quality: Quality) {
+        let (size_px, samples) = (quality.drawn_px(target_px), quality.samples());
+        let is_small = size_px != target_px;
+        let fits = |t: &SceneTextures| t.size_px == size_px && t.samples == samples;
+        if !self.textures.as_ref().is_some_and(fits) || self.small.is_some() != is_small {
+            let device = &self.gpu.device;
+            self.textures = Some(self.compose_pass.new_textures(device, size_px, samples));
+            self.small = is_small.then(|| self.enlarge_pass.new_picture(device, size_px));
         }
     }
 
-    fn draw_light(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits) {
+    fn draw_light(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, quality: Quality) {
         let count = self.geometry.geometry().of_bodies as u32;
         self.depth_pass.draw(encoder, &self.shadow_map, &self.vertices, count);
         if fits.floor.is_some() {
             self.depth_pass.draw(encoder, &self.height_map, &self.vertices, count);
-            self.floor_light_pass.draw(encoder, &self.frame);
+            self.floor_light_pass.draw(encoder, &self.frame, quality);
             self.floor_blur_pass.draw(encoder);
         }
     }
 
-    fn draw_scene(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, count: u32) {
+    fn draw_scene(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, count: u32, quality: Quality) {
         let Some(textures) = &self.textures else {
             return;
         };
         let mut pass = begin_scene(encoder, textures);
         pass.set_bind_group(0, &self.frame.group, &[]);
-        self.surface_pass.draw(&mut pass, &self.vertices, count, fits.is_cut_by_floor);
+        self.surface_pass.draw(&mut pass, (&self.vertices, count), fits.is_cut_by_floor, quality);
     }
 
     fn draw_on_target(
@@ -237,12 +312,18 @@ impl Renderer {
             size_px: target.size_px,
         };
         self.overlay.prepare(&self.gpu, encoder, placement, content);
+        if let (Some(small), Some(textures)) = (&self.small, &self.textures) {
+            let mut pass = begin_target(encoder, &Target::whole(&small.view));
+            self.compose_pass.draw(&mut pass, &self.frame, textures);
+        }
         let mut pass = begin_target(encoder, &target).forget_lifetime();
         let [x, y] = target.origin_px.map(|px| px as f32);
         let [width, height] = target.size_px.map(|px| px as f32);
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
-        if let Some(textures) = &self.textures {
-            self.compose_pass.draw(&mut pass, &self.frame, textures);
+        match (&self.small, &self.textures) {
+            (Some(small), _) => self.enlarge_pass.draw(&mut pass, small),
+            (None, Some(textures)) => self.compose_pass.draw(&mut pass, &self.frame, textures),
+            (None, None) => {}
         }
         self.overlay.draw(&mut pass);
     }
@@ -327,16 +408,17 @@ fn vertex_buffer(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
 
 fn begin_scene<'e>(encoder: &'e mut wgpu::CommandEncoder, textures: &SceneTextures) -> wgpu::RenderPass<'e> {
     // Samples are resolved at the end of the pass; nobody needs them, or the depth, after it.
+    let (view, resolve_target, store) = match &textures.color {
+        Some(samples) => (samples, Some(&textures.resolved), wgpu::StoreOp::Discard),
+        None => (&textures.resolved, None, wgpu::StoreOp::Store),
+    };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("scene"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &textures.color,
+            view,
             depth_slice: None,
-            resolve_target: Some(&textures.resolved),
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                store: wgpu::StoreOp::Discard,
-            },
+            resolve_target,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store },
         })],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: &textures.depth,

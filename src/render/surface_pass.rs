@@ -1,10 +1,11 @@
 //! The bodies' surfaces, lit and coloured.
 
-use crate::render::bindings::{self, PipelineParts, SAMPLES, SCENE_FORMAT};
+use crate::render::bindings::{self, PipelineParts, SCENE_FORMAT};
 use crate::render::color_map::{ColorMap, TABLE_LENGTH};
 use crate::render::depth_pass::DepthMap;
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
 use crate::render::geometry::SurfaceVertex;
+use crate::render::quality::Quality;
 use wgpu::{BindingResource, BindingType};
 
 pub(crate) const WGSL: &str = include_str!("../../shaders/surface_pass.wgsl");
@@ -23,9 +24,16 @@ pub(crate) const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::Vertex
 
 #[derive(Debug)]
 pub(crate) struct SurfacePass {
-    pipeline: wgpu::RenderPipeline,
-    above_floor: wgpu::RenderPipeline,
+    fine: Pipelines,
+    draft: Pipelines,
     group: wgpu::BindGroup,
+}
+
+/// For one quality.
+#[derive(Debug)]
+struct Pipelines {
+    all: wgpu::RenderPipeline,
+    above_floor: wgpu::RenderPipeline,
 }
 
 impl SurfacePass {
@@ -53,24 +61,40 @@ impl SurfacePass {
         );
         let shader = bindings::shader(device, "surface pass", &with_prelude(WGSL));
         let layouts = [&frame.layout, &layout];
-        let pipeline = |entry| {
+        let pipeline = |entry: &str, samples| {
             let parts = PipelineParts {
                 vertex_buffer: Some(VERTEX_LAYOUT),
                 fragment: Some((entry, SCENE_FORMAT)),
                 depth: Some(bindings::scene_depth()),
                 // Surfaces of tetrahedral meshes are closed: their insides are never seen.
                 cull: Some(wgpu::Face::Back),
-                samples: SAMPLES,
+                samples,
                 ..PipelineParts::full_screen("surface pass", &shader, &layouts, SCENE_FORMAT)
             };
             parts.build(device)
         };
-        Self { pipeline: pipeline("fragment"), above_floor: pipeline("fragment_above_floor"), group }
+        let pipelines = |[all, above_floor]: [&str; 2], quality: Quality| Pipelines {
+            all: pipeline(all, quality.samples()),
+            above_floor: pipeline(above_floor, quality.samples()),
+        };
+        let draft = ["draft_fragment", "draft_fragment_above_floor"];
+        Self {
+            fine: pipelines(["fragment", "fragment_above_floor"], Quality::FULL),
+            draft: pipelines(draft, Quality::draft([1, 1])),
+            group,
+        }
     }
 
     /// Draws the triangles; `cut` leaves out what is below the floor.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, vertices: &wgpu::Buffer, count: u32, cut: bool) {
-        pass.set_pipeline(if cut { &self.above_floor } else { &self.pipeline });
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        (vertices, count): (&wgpu::Buffer, u32),
+        cut: bool,
+        quality: Quality,
+    ) {
+        let pipelines = if quality.is_draft { &self.draft } else { &self.fine };
+        pass.set_pipeline(if cut { &pipelines.above_floor } else { &pipelines.all });
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..count, 0..1);

@@ -96,6 +96,8 @@ pub struct App {
     pub viewport: Option<Rect>,
     /// The picture of the scene, where the panels have to paint it.
     pub picture: Option<TextureId>,
+    /// How moving pictures are drawn, where that is not as finely as still ones.
+    pub detail: Option<&'static str>,
     /// Thumbnails of the built-in scenes, drawn by the window's graphics.
     pub thumbnails: Vec<Option<TextureId>>,
     sketcher: Sketcher,
@@ -183,6 +185,7 @@ impl App {
             passing: None,
             viewport: None,
             picture: None,
+            detail: None,
             thumbnails: vec![None; BUILTIN_SCENES.len()],
             sketcher,
             sketches: Vec::new(),

@@ -2,8 +2,10 @@
 
 use super::app::App;
 use super::stage::{Output, Stage};
+use super::steering::Steering;
 use crate::render::{AdapterChoice, Gpu, GpuError, new_instance};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use winit::window::Window;
 
 /// Whether a frame came onto the screen.
@@ -22,6 +24,10 @@ pub struct Graphics {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
     stage: Stage,
+    opened: Instant,
+    /// Whether the device is made of the same cores as everything else: nothing is gained by not waiting for it then,
+    /// and only so does a frame's time tell how slow it is.
+    is_software: bool,
 }
 
 impl Graphics {
@@ -36,8 +42,11 @@ impl Graphics {
         let gpu = Gpu::for_surface(&instance, &surface, choice)?;
         let config = configuration(&surface, &gpu, &window)?;
         let can_copy = config.usage.contains(wgpu::TextureUsages::COPY_DST);
-        let stage = Stage::new(gpu, config.format, can_copy)?;
-        let mut graphics = Self { window, instance, surface, config, stage };
+        let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
+        let mut stage = Stage::new(gpu, config.format, can_copy)?;
+        stage.steering = Some(Steering::default());
+        let opened = Instant::now();
+        let mut graphics = Self { window, instance, surface, config, stage, opened, is_software };
         graphics.configure();
         Ok(graphics)
     }
@@ -58,14 +67,18 @@ impl Graphics {
         self.stage.gpu.lose();
     }
 
-    /// Draws and shows what was laid out.
+    /// Draws and shows what was laid out from `started` on; returns also in how long there is more to draw.
     ///
     /// # Errors
     /// [`GpuError`].
-    pub fn show(&mut self, app: &mut App, output: &mut Output<'_>) -> Result<Shown, GpuError> {
-        if self.stage.draw_pictures(app, output.full.pixels_per_point)? {
-            self.window.request_redraw();
-        }
+    pub fn show(
+        &mut self,
+        app: &mut App,
+        output: &mut Output<'_>,
+        started: Instant,
+    ) -> Result<(Shown, Option<Duration>), GpuError> {
+        let now = self.opened.elapsed();
+        let more = self.stage.draw_pictures(app, output.full.pixels_per_point, now)?;
         let acquired = self.acquire()?;
         self.stage.paint(app, output, acquired.as_ref().map(|surface| &surface.texture));
         let shown = if acquired.is_some() { Shown::Yes } else { Shown::NotNow };
@@ -73,8 +86,12 @@ impl Graphics {
             self.window.pre_present_notify();
             self.stage.gpu.queue.present(acquired);
         }
+        if self.is_software {
+            self.stage.gpu.wait(None)?;
+        }
         self.stage.gpu.check()?;
-        Ok(shown)
+        self.stage.took(started.elapsed(), self.opened.elapsed());
+        Ok((shown, more))
     }
 
     /// The next texture of the surface; `None` when there is none now, after renewing what needs it.

@@ -22,6 +22,8 @@ pub struct Look {
     pub typed_range: TypedRange,
     /// Dark surroundings, of the picture and the panels.
     pub is_dark: bool,
+    /// Whether moving pictures are drawn as finely as still ones, however long that takes.
+    pub is_always_fine: bool,
     /// The camera.
     pub camera: Camera,
     /// Range of the colour map: grows with what was seen, so that colours do not flicker.
@@ -40,6 +42,7 @@ impl Default for Look {
             closer: Closer::default(),
             typed_range: TypedRange::default(),
             is_dark: false,
+            is_always_fine: false,
             camera: Camera::default(),
             range: None,
             ground: Ground::Auto,

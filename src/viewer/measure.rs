@@ -16,8 +16,8 @@ const LONGEST_OPENING: Duration = Duration::from_secs(300);
 /// Frames that are not counted: pipelines, fonts and the first layout.
 const WARM_UP: u32 = 10;
 
-/// Draws so many frames of the window while `scene` is simulated in its thread and the mouse turns the camera; tells
-/// how long they took.
+/// Draws so many frames of the window while `scene` is simulated in its thread and the mouse turns the camera, then as
+/// many while it moves over the buttons; tells how long they took, from the event to the picture that shows it.
 ///
 /// # Errors
 /// Why the scene does not open, or nothing can be drawn.
@@ -26,28 +26,54 @@ pub fn measure(scene: &str, overrides: &[String], frames: u32) -> Result<String,
     let mut app = App::new(simulation, Sketcher::idle());
     app.open(scene, overrides);
     let mut window = OffScreenWindow::new(app, SIZE_PX, 1.0).map_err(|error| error.to_string())?;
+    window.steer();
     wait_for_scene(&mut window)?;
     let mut turning = Turning::new(SIZE_PX);
+    let turned = series(&mut window, frames, |window| turning.frame(window))?;
+    turning.let_go(&mut window)?;
+    let mut over_buttons = 0;
+    let pointed = series(&mut window, frames, |window| {
+        over_buttons += 1;
+        frame(window, vec![Event::PointerMoved(pos2(40.0 + 30.0 * (over_buttons % 9) as f32, 14.0))])
+    })?;
+    let [width, height] = SIZE_PX;
+    let elements = window.app.snapshot.frame.status.elements;
+    Ok(format!(
+        "{elements} elements, window of {width} x {height}\nturning the camera: {turned}\nover the buttons: {pointed}"
+    ))
+}
+
+/// Draws so many frames after some that are not counted; tells about them.
+fn series(
+    window: &mut OffScreenWindow,
+    frames: u32,
+    mut frame: impl FnMut(&mut OffScreenWindow) -> Result<Duration, String>,
+) -> Result<String, String> {
     for _ in 0..WARM_UP {
-        turning.frame(&mut window)?;
+        frame(window)?;
     }
     let (steps, started) = (window.app.snapshot.frame.status.steps, Instant::now());
     let mut times = FrameTimes::default();
     let mut moments = 0;
     for _ in 0..frames {
         let before = window.app.snapshot.clone();
-        times.note(turning.frame(&mut window)?);
+        times.note(frame(window)?);
         moments += u32::from(!std::sync::Arc::ptr_eq(&before, &window.app.snapshot));
     }
-    let status = &window.app.snapshot.frame.status;
     let rate = f64::from(frames) / started.elapsed().as_secs_f64().max(1e-9);
+    let steps = window.app.snapshot.frame.status.steps.saturating_sub(steps);
+    let detail = window.detail().unwrap_or("full");
     Ok(format!(
-        "{} elements, {} steps and {moments} new moments in {frames} frames of {} x {} ({rate:.1} a second); {times}",
-        status.elements,
-        status.steps - steps,
-        SIZE_PX[0],
-        SIZE_PX[1],
+        "{frames} frames ({rate:.1} a second; detail: {detail}; {steps} steps, {moments} new moments); {times}"
     ))
+}
+
+/// One frame, from the events to the finished picture; returns how long it took.
+fn frame(window: &mut OffScreenWindow, events: Vec<Event>) -> Result<Duration, String> {
+    let started = Instant::now();
+    let input = window.input(FRAME_S, events);
+    window.frame(input).map_err(|error| error.to_string())?;
+    Ok(started.elapsed())
 }
 
 fn wait_for_scene(window: &mut OffScreenWindow) -> Result<(), String> {
@@ -86,18 +112,23 @@ impl Turning {
     pub fn frame(&mut self, window: &mut OffScreenWindow) -> Result<Duration, String> {
         let swing = 60.0 * (0.2 * self.frames as f32).sin();
         let at = self.middle + egui::vec2(swing, 0.0);
-        let press = Event::PointerButton {
-            pos: at,
-            button: PointerButton::Primary,
-            pressed: true,
-            modifiers: Modifiers::NONE,
-        };
-        let first = (self.frames == 0).then_some(press);
+        let first = (self.frames == 0).then(|| self.button(true));
         let events = std::iter::once(Event::PointerMoved(at)).chain(first).collect();
         self.frames += 1;
-        let started = Instant::now();
-        let input = window.input(FRAME_S, events);
-        window.frame(input).map_err(|error| error.to_string())?;
-        Ok(started.elapsed())
+        frame(window, events)
+    }
+
+    /// Lets the camera go.
+    ///
+    /// # Errors
+    /// What went wrong on the device.
+    pub fn let_go(&mut self, window: &mut OffScreenWindow) -> Result<(), String> {
+        self.frames = 0;
+        frame(window, vec![self.button(false)]).map(|_| ())
+    }
+
+    fn button(&self, pressed: bool) -> Event {
+        let (pos, button) = (self.middle, PointerButton::Primary);
+        Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE }
     }
 }

@@ -13,8 +13,10 @@
 
 mod aim;
 mod app;
+mod background;
 mod closer;
 mod criterion_edit;
+mod damage;
 mod edits;
 mod exploded;
 mod frame_times;
@@ -38,6 +40,7 @@ mod slot;
 mod smoke;
 mod snapshot;
 mod stage;
+mod steering;
 #[cfg(test)]
 mod tests;
 mod thrown;

@@ -2,9 +2,11 @@
 
 use super::app::App;
 use super::stage::{Output, Stage};
+use super::steering::Steering;
 use super::ui::style;
 use crate::render::{Gpu, GpuError, OffScreen, Picture};
 use egui::{Context, RawInput, Rect, ViewportId, pos2};
+use std::time::{Duration, Instant};
 
 /// A window that nobody sees.
 pub struct OffScreenWindow {
@@ -16,7 +18,10 @@ pub struct OffScreenWindow {
     pub size_px: [u32; 2],
     /// Scale of the display.
     pub pixels_per_point: f32,
+    /// The time that each frame is said to take, for tests of what hangs on it; `None` measures.
+    pub assumed: Option<Duration>,
     time_s: f64,
+    clock: Duration,
     stage: Stage,
     target: Option<wgpu::Texture>,
 }
@@ -28,7 +33,28 @@ impl OffScreenWindow {
     /// [`GpuError`] when nothing can be drawn.
     pub fn new(app: App, size_px: [u32; 2], pixels_per_point: f32) -> Result<Self, GpuError> {
         let stage = Stage::new(Gpu::headless()?, OffScreen::FORMAT, true)?;
-        Ok(Self { app, context: new_context(), size_px, pixels_per_point, time_s: 0.0, stage, target: None })
+        Ok(Self {
+            app,
+            context: new_context(),
+            size_px,
+            pixels_per_point,
+            assumed: None,
+            time_s: 0.0,
+            clock: Duration::ZERO,
+            stage,
+            target: None,
+        })
+    }
+
+    /// Draws what moves less finely where it takes long, as the window on the screen does; pictures to keep do not.
+    pub fn steer(&mut self) {
+        self.stage.steering = Some(Steering::default());
+    }
+
+    /// How moving pictures are drawn, if not as finely as still ones.
+    #[must_use]
+    pub fn detail(&self) -> Option<&'static str> {
+        self.stage.steering.as_ref().and_then(Steering::name)
     }
 
     /// Events of a frame that comes `step_s` seconds after the last one, in a window of the size it has now. No clock
@@ -54,13 +80,36 @@ impl OffScreenWindow {
     /// # Errors
     /// [`GpuError`] of the device.
     pub fn frame(&mut self, input: RawInput) -> Result<(), GpuError> {
+        let (started, now) = (Instant::now(), self.clock);
         let app = &mut self.app;
         let full = self.context.run_ui(input, |ui| app.update(ui));
         let mut output = Output { context: &self.context, full };
-        self.stage.draw_pictures(&mut self.app, output.full.pixels_per_point)?;
+        self.stage.draw_pictures(&mut self.app, output.full.pixels_per_point, now)?;
         self.target = fitting_target(&self.stage.gpu, self.target.take(), self.size_px);
         self.stage.paint(&self.app, &mut output, self.target.as_ref());
-        self.stage.gpu.wait(None)
+        self.stage.gpu.wait(None)?;
+        let took = self.assumed.unwrap_or_else(|| started.elapsed());
+        self.clock += took;
+        self.stage.took(took, self.clock);
+        Ok(())
+    }
+
+    /// Has all of it painted in the next frame, and not only what changes.
+    #[cfg(test)]
+    pub fn forget_what_is_painted(&mut self) {
+        self.stage.forget_what_is_painted();
+    }
+
+    /// The moment that the picture of the scene shows.
+    #[cfg(test)]
+    pub fn drawn_frame(&self) -> Option<std::sync::Arc<crate::frame::Frame>> {
+        self.stage.drawn_frame()
+    }
+
+    /// Time goes by without a frame.
+    #[cfg(test)]
+    pub fn idle(&mut self, time: Duration) {
+        self.clock += time;
     }
 
     /// Lays out one frame and brings back what it looks like.
@@ -71,7 +120,7 @@ impl OffScreenWindow {
         let app = &mut self.app;
         let full = self.context.run_ui(input, |ui| app.update(ui));
         let mut output = Output { context: &self.context, full };
-        self.stage.draw_pictures(&mut self.app, output.full.pixels_per_point)?;
+        self.stage.draw_pictures(&mut self.app, output.full.pixels_per_point, self.clock)?;
         let gpu = self.stage.gpu.clone();
         OffScreen::new(&gpu)?.draw_by(self.size_px, |view, _| {
             self.stage.paint(&self.app, &mut output, Some(view.texture()));
@@ -83,7 +132,8 @@ impl OffScreenWindow {
     /// # Errors
     /// [`GpuError`] of the device.
     pub fn draw_waiting_pictures(&mut self) -> Result<(), GpuError> {
-        while self.stage.draw_pictures(&mut self.app, self.pixels_per_point)? {}
+        let (scale, now) = (self.pixels_per_point, self.clock);
+        while self.stage.draw_pictures(&mut self.app, scale, now)? == Some(Duration::ZERO) {}
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! The thread that owns the world: commands in by a channel, snapshots out by a latest-wins slot.
 
+use super::background;
 use super::pacing::FRAME_S;
 use super::session::{SLICE_S, Session};
 use super::slot::LatestSlot;
@@ -48,7 +49,9 @@ impl Simulation {
             started: Instant::now(),
             next_snapshot_s: 0.0,
         };
-        let thread = std::thread::Builder::new().name("simulation".to_owned()).spawn(move || worker.run())?;
+        let workers = background::workers("simulation")?;
+        let work = move || workers.install(|| worker.run());
+        let thread = std::thread::Builder::new().name("simulation".to_owned()).spawn(work)?;
         Ok(Self { commands, sent: 0, slot, wants_end, thread: Some(thread) })
     }
 

@@ -1,18 +1,35 @@
 //! What the window draws with, whatever it draws on: the scene's picture, and the panels painted over it.
 
 use super::app::App;
+use super::damage::{Layout, around};
+use super::steering::Steering;
 use super::thumbnails;
 use crate::frame::Frame;
-use crate::render::{Camera, Gpu, GpuError, Renderer, Target, View};
+use crate::render::{Camera, Gpu, GpuError, Quality, Renderer, Target, View};
+use egui::{ClippedPrimitive, Rect, pos2, vec2};
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// A picture that egui can paint, and what it shows.
 struct Picture {
     view: wgpu::TextureView,
     id: egui::TextureId,
     size_px: [u32; 2],
-    shows: Option<(Arc<Frame>, Camera, View)>,
+    shows: Option<Sight>,
+    quality: Quality,
+}
+
+type Sight = (Arc<Frame>, Camera, View);
+
+/// What was drawn of the scene in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Drawn {
+    Nothing,
+    /// Something moved; says whether it is a new moment.
+    InMotion(bool),
+    /// What stands still, finely.
+    AtRest,
 }
 
 /// What the layout of one frame came to.
@@ -43,6 +60,13 @@ pub struct Stage {
     thumbnails: Vec<(usize, Picture)>,
     /// Why a picture could not be drawn, as it was told last.
     told: Option<GpuError>,
+    /// How finely moving pictures are drawn; without it, as finely as still ones.
+    pub steering: Option<Steering>,
+    drawn: Drawn,
+    /// All that is on the window, where it can be copied to it, so that only what changes is painted.
+    canvas: Option<wgpu::Texture>,
+    painted: Option<Layout>,
+    has_new_picture: bool,
 }
 
 impl Stage {
@@ -62,6 +86,11 @@ impl Stage {
             picture: None,
             thumbnails: Vec::new(),
             told: None,
+            steering: None,
+            drawn: Drawn::Nothing,
+            canvas: None,
+            painted: None,
+            has_new_picture: false,
         };
         stage.gpu.check()?;
         Ok(stage)
@@ -73,41 +102,71 @@ impl Stage {
         self.gpu.device.limits().max_texture_dimension_2d
     }
 
-    /// Draws what `app` asks for into its pictures; call after the layout and before [`Self::paint`]. Returns whether
-    /// there may be more to draw.
+    /// Draws what `app` asks for into its pictures; call after the layout and before [`Self::paint`]. `now` is a time
+    /// since any moment. Returns in how long there may be more to draw.
     ///
     /// # Errors
     /// [`GpuError`] of the device; that a picture is too large for it is said in the window.
-    pub fn draw_pictures(&mut self, app: &mut App, pixels_per_point: f32) -> Result<bool, GpuError> {
-        if let Err(error) = self.draw_scene(app, pixels_per_point) {
+    pub fn draw_pictures(
+        &mut self,
+        app: &mut App,
+        pixels_per_point: f32,
+        now: Duration,
+    ) -> Result<Option<Duration>, GpuError> {
+        self.drawn = Drawn::Nothing;
+        let more = self.draw_scene(app, pixels_per_point, now);
+        if let Err(error) = &more {
             if !matches!(error, GpuError::BadSize { .. } | GpuError::TooManyTriangles { .. }) {
-                return Err(error);
+                return Err(error.clone());
             }
             // The device is sound and the panels work: no reason to open it anew.
-            if self.told.as_ref() != Some(&error) {
+            if self.told.as_ref() != Some(error) {
                 app.tell(error.to_string());
-                self.told = Some(error);
+                self.told = Some(error.clone());
             }
         }
-        self.draw_thumbnail(app)
+        let more = more.unwrap_or_default();
+        Ok(if self.draw_thumbnail(app)? { Some(Duration::ZERO) } else { more })
     }
 
-    fn draw_scene(&mut self, app: &mut App, pixels_per_point: f32) -> Result<(), GpuError> {
+    /// A frame took so long, from its events to its last pixel, and ended now.
+    pub fn took(&mut self, time: Duration, now: Duration) {
+        if let (Drawn::InMotion(is_new), Some(steering)) = (self.drawn, &mut self.steering) {
+            steering.took(time, now, is_new);
+        }
+    }
+
+    /// Draws the scene if it looks different from what its picture shows, or can be drawn more finely by now; returns
+    /// in how long there is more to draw.
+    fn draw_scene(
+        &mut self,
+        app: &mut App,
+        pixels_per_point: f32,
+        now: Duration,
+    ) -> Result<Option<Duration>, GpuError> {
         let size_limit = self.max_side_px();
-        let Some(request) = app.picture_request(pixels_per_point) else { return Ok(()) };
+        let Some(request) = app.picture_request(pixels_per_point) else { return Ok(None) };
         let size_px = request.size_px.map(|side| side.min(size_limit));
         let mut picture = self.fitting_picture(size_px);
         let wanted = (request.frame.clone(), request.camera, request.view);
-        let mut drawn = Ok(());
-        if !picture.shows.as_ref().is_some_and(|shown| is_same(shown, &wanted)) {
-            let target = Target::whole(&picture.view);
-            drawn = self.renderer.render(target, &wanted.0, &wanted.1, &wanted.2);
-            picture.shows = drawn.is_ok().then_some(wanted);
-        }
+        let steering = self.steering.as_mut().filter(|_| !app.look.is_always_fine);
+        let is_playing = app.snapshot.is_playing || app.player.is_playing();
+        let plan = plan(&picture, wanted, steering, (now, is_playing));
+        app.detail = self.steering.as_ref().filter(|_| !app.look.is_always_fine).and_then(Steering::name);
         // The panels paint it only where it cannot be copied.
         app.picture = (!self.can_copy).then_some(picture.id);
+        let mut done = Ok(plan.more);
+        if let Some((sight, quality)) = plan.draw {
+            let target = Target::whole(&picture.view);
+            let drawn = self.renderer.render_again(target, &sight.0, (&sight.1, &sight.2), quality);
+            picture.shows = drawn.is_ok().then_some(sight);
+            picture.quality = quality;
+            self.drawn = plan.drawn;
+            self.has_new_picture = true;
+            done = drawn.map(|()| plan.more);
+        }
         self.picture = Some(picture);
-        drawn
+        done
     }
 
     /// One thumbnail at a time, so that the gallery stays quick; returns whether there was one.
@@ -124,6 +183,8 @@ impl Stage {
         let picture = &self.thumbnails[at].1;
         let target = Target::whole(&picture.view);
         let drawn = self.renderer.render(target, &sketch.frame, &sketch.camera, &sketch.view(is_dark));
+        // Shapes do not tell that another picture is in them.
+        self.painted = None;
         app.thumbnails[scene] = Some(picture.id);
         drawn.map(|()| true)
     }
@@ -137,7 +198,7 @@ impl Stage {
                 let filter = wgpu::FilterMode::Linear;
                 let device = &self.gpu.device;
                 self.painter.update_egui_texture_from_wgpu_texture(device, &view, filter, old.id);
-                Picture { view, id: old.id, size_px, shows: None }
+                Picture { view, id: old.id, size_px, shows: None, quality: Quality::FULL }
             }
             None => self.new_picture(size_px),
         }
@@ -147,7 +208,19 @@ impl Stage {
         let view = new_texture(&self.gpu, size_px, self.format);
         let filter = wgpu::FilterMode::Linear;
         let id = self.painter.register_native_texture(&self.gpu.device, &view, filter);
-        Picture { view, id, size_px, shows: None }
+        Picture { view, id, size_px, shows: None, quality: Quality::FULL }
+    }
+
+    /// The moment that the picture of the scene shows.
+    #[cfg(test)]
+    pub fn drawn_frame(&self) -> Option<Arc<Frame>> {
+        self.picture.as_ref().and_then(|picture| picture.shows.as_ref()).map(|shown| shown.0.clone())
+    }
+
+    /// Has all of it painted in the next frame, and not only what changes.
+    #[cfg(test)]
+    pub fn forget_what_is_painted(&mut self) {
+        self.painted = None;
     }
 
     /// Paints panels and pictures onto a target; without one, only takes in what changed in the textures.
@@ -156,77 +229,209 @@ impl Stage {
         let (delta, pixels_per_point) = (&mut full.textures_delta, full.pixels_per_point);
         for (id, images) in delta.set.drain() {
             for image in images {
+                // A part that is added changes nothing that was painted before.
+                self.painted = self.painted.take().filter(|_| image.pos.is_some());
                 self.painter.update_texture(&self.gpu.device, &self.gpu.queue, id, &image);
             }
         }
         if let Some(target) = target {
-            let jobs = context.tessellate(std::mem::take(&mut full.shapes), pixels_per_point);
-            let corner_px = app.picture_corner_px(pixels_per_point).filter(|_| self.can_copy);
-            let background = context.global_style().visuals.panel_fill;
-            self.paint_jobs(&jobs, pixels_per_point, target, (background, corner_px));
+            let layout = Layout {
+                shapes: std::mem::take(&mut full.shapes),
+                background: context.global_style().visuals.panel_fill,
+                picture: self.picture_place(app, pixels_per_point),
+                size_px: [target.width(), target.height()],
+                pixels_per_point,
+            };
+            if self.can_copy {
+                self.paint_changes(context, layout, target);
+            } else {
+                self.paint_parts(context, &layout, target, &[layout.whole()]);
+            }
         }
         for id in delta.free.drain() {
             self.painter.free_texture(&id);
         }
     }
 
-    fn paint_jobs(
+    /// Where the picture is copied to, pixels.
+    fn picture_place(&self, app: &App, pixels_per_point: f32) -> Option<Rect> {
+        let corner_px = app.picture_corner_px(pixels_per_point).filter(|_| self.can_copy)?;
+        let size_px = self.picture.as_ref()?.size_px;
+        let [x, y] = corner_px.map(|at| at as f32);
+        let [width, height] = size_px.map(|side| side as f32);
+        Some(Rect::from_min_size(pos2(x, y), vec2(width, height)))
+    }
+
+    /// Paints what looks different from the last time, and brings all of it to the target.
+    fn paint_changes(&mut self, context: &egui::Context, layout: Layout, target: &wgpu::Texture) {
+        let canvas = match self.canvas.take() {
+            Some(canvas) if [canvas.width(), canvas.height()] == layout.size_px => canvas,
+            _ => {
+                self.painted = None;
+                new_texture(&self.gpu, layout.size_px, self.format).texture().clone()
+            }
+        };
+        let before = self.painted.take();
+        let parts = before.map_or_else(
+            || vec![layout.whole()],
+            |before| layout.changes_since(&before, self.has_new_picture),
+        );
+        self.paint_parts(context, &layout, &canvas, &parts);
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_texture(canvas.as_image_copy(), target.as_image_copy(), canvas.size());
+        self.gpu.queue.submit([encoder.finish()]);
+        self.has_new_picture = false;
+        self.canvas = Some(canvas);
+        self.painted = Some(layout);
+    }
+
+    /// Paints parts of the window, in pixels, from the background up.
+    fn paint_parts(
         &mut self,
-        jobs: &[egui::ClippedPrimitive],
-        pixels_per_point: f32,
+        context: &egui::Context,
+        layout: &Layout,
         target: &wgpu::Texture,
-        (background, corner_px): (egui::Color32, Option<[u32; 2]>),
+        parts: &[Rect],
     ) {
-        let Gpu { device, queue, .. } = &self.gpu;
-        let screen = ScreenDescriptor { size_in_pixels: [target.width(), target.height()], pixels_per_point };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        // Only paint callbacks return command buffers, and there are none here.
-        self.painter.update_buffers(device, queue, &mut encoder, jobs, &screen);
-        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        drop(begin_pass(&mut encoder, &view, wgpu::LoadOp::Clear(clear_color(background))));
-        if let (Some(picture), Some(corner_px)) = (&self.picture, corner_px) {
-            copy(&mut encoder, picture, target, corner_px);
+        if parts.is_empty() {
+            return;
         }
-        let mut pass = begin_pass(&mut encoder, &view, wgpu::LoadOp::Load).forget_lifetime();
-        self.painter.render(&mut pass, jobs, &screen);
+        let Gpu { device, queue, .. } = &self.gpu;
+        let pixels_per_point = layout.pixels_per_point;
+        let screen = ScreenDescriptor { size_in_pixels: layout.size_px, pixels_per_point };
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut jobs = Vec::new();
+        for part in parts {
+            jobs.extend(background(layout, *part));
+            jobs.extend(clipped(context, layout, *part));
+            if let (Some(picture), Some(place)) = (&self.picture, layout.picture) {
+                copy(&mut encoder, (picture, place), target, *part);
+            }
+        }
+        // Only paint callbacks return command buffers, and there are none here.
+        self.painter.update_buffers(device, queue, &mut encoder, &jobs, &screen);
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut pass = begin_pass(&mut encoder, &view).forget_lifetime();
+        self.painter.render(&mut pass, &jobs, &screen);
         drop(pass);
         queue.submit([encoder.finish()]);
     }
 }
 
-fn begin_pass<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<wgpu::Color>,
-) -> wgpu::RenderPass<'e> {
+/// What to draw of the scene in this frame.
+struct Plan {
+    draw: Option<(Sight, Quality)>,
+    drawn: Drawn,
+    /// In how long there is more to draw.
+    more: Option<Duration>,
+}
+
+fn plan(
+    picture: &Picture,
+    wanted: Sight,
+    steering: Option<&mut Steering>,
+    (now, is_playing): (Duration, bool),
+) -> Plan {
+    let Some(steering) = steering else {
+        let is_shown = picture.quality == Quality::FULL
+            && picture.shows.as_ref().is_some_and(|shown| is_same(shown, &wanted));
+        let draw = (!is_shown).then_some((wanted, Quality::FULL));
+        return Plan { draw, drawn: Drawn::AtRest, more: None };
+    };
+    let Some(shown) = &picture.shows else {
+        steering.moved(now);
+        let quality = steering.in_motion();
+        return Plan {
+            draw: Some((wanted, quality)),
+            drawn: Drawn::InMotion(true),
+            more: steering.until_rest(now, is_playing),
+        };
+    };
+    if is_same(shown, &wanted) {
+        if picture.quality == Quality::FULL {
+            return Plan { draw: None, drawn: Drawn::Nothing, more: None };
+        }
+        let more = steering.until_rest(now, is_playing);
+        let draw = more.is_none().then_some((wanted, Quality::FULL));
+        return Plan { draw, drawn: Drawn::AtRest, more };
+    }
+    steering.moved(now);
+    let is_new = !Arc::ptr_eq(&shown.0, &wanted.0);
+    let is_same_look = View { range: shown.2.range, ..wanted.2.clone() } == shown.2;
+    let (sight, more) = match steering.until_moment(now).filter(|_| is_new && is_same_look) {
+        // Large scenes show each moment a while; the camera turns meanwhile.
+        Some(wait) => ((shown.0.clone(), wanted.1, shown.2.clone()), wait),
+        None => (wanted, steering.until_rest(now, is_playing).unwrap_or_default()),
+    };
+    let is_new = !Arc::ptr_eq(&shown.0, &sight.0);
+    let draw = (!is_same(shown, &sight)).then(|| (sight, steering.in_motion()));
+    Plan { draw, drawn: Drawn::InMotion(is_new), more: Some(more) }
+}
+
+/// The background of a part of the window, but not behind the picture.
+fn background(layout: &Layout, part: Rect) -> Vec<ClippedPrimitive> {
+    let scale = 1.0 / layout.pixels_per_point;
+    let fill = |rect: Rect| {
+        let mut mesh = egui::Mesh::default();
+        mesh.add_colored_rect(rect * scale, layout.background);
+        ClippedPrimitive { clip_rect: rect * scale, primitive: egui::epaint::Primitive::Mesh(mesh) }
+    };
+    around(part, layout.picture).into_iter().map(fill).collect()
+}
+
+/// The shapes in a part of the window, cut off at its border.
+fn clipped(context: &egui::Context, layout: &Layout, part: Rect) -> Vec<ClippedPrimitive> {
+    let scale = layout.pixels_per_point;
+    let mut primitives = context.tessellate(layout.shapes_in(part), scale);
+    for primitive in &mut primitives {
+        let clip = primitive.clip_rect * scale;
+        let clip = Rect::from_min_max(clip.min.round(), clip.max.round()).intersect(part);
+        primitive.clip_rect = clip * (1.0 / scale);
+    }
+    primitives.retain(|primitive| primitive.clip_rect.is_positive());
+    primitives
+}
+
+fn begin_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, view: &wgpu::TextureView) -> wgpu::RenderPass<'e> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("panels"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+            ops,
         })],
         ..Default::default()
     })
 }
 
-/// The bytes of an opaque colour, in a format that does not convert them.
-fn clear_color(color: egui::Color32) -> wgpu::Color {
-    let [r, g, b] = [color.r(), color.g(), color.b()].map(|level| f64::from(level) / 255.0);
-    wgpu::Color { r, g, b, a: 1.0 }
-}
-
-/// Copies the part of a picture that lies on the target.
-fn copy(encoder: &mut wgpu::CommandEncoder, picture: &Picture, target: &wgpu::Texture, [x, y]: [u32; 2]) {
-    let width = picture.size_px[0].min(target.width().saturating_sub(x));
-    let height = picture.size_px[1].min(target.height().saturating_sub(y));
+/// Copies what of a picture lies in a part of the target.
+fn copy(
+    encoder: &mut wgpu::CommandEncoder,
+    (picture, place): (&Picture, Rect),
+    target: &wgpu::Texture,
+    part: Rect,
+) {
+    let seen = place.intersect(part);
+    if !seen.is_positive() {
+        return;
+    }
+    let corner = |at: egui::Vec2| wgpu::Origin3d { x: at.x as u32, y: at.y as u32, z: 0 };
+    let from = corner(seen.min - place.min);
+    let to = corner(seen.min.to_vec2());
+    let [from_px, to_px] = [picture.size_px, [target.width(), target.height()]];
+    let side = |wanted: f32, from: [u32; 2], to: [u32; 2]| {
+        (wanted as u32).min(from[0].saturating_sub(from[1])).min(to[0].saturating_sub(to[1]))
+    };
+    let width = side(seen.width(), [from_px[0], from.x], [to_px[0], to.x]);
+    let height = side(seen.height(), [from_px[1], from.y], [to_px[1], to.y]);
     if width == 0 || height == 0 {
         return;
     }
     encoder.copy_texture_to_texture(
-        picture.view.texture().as_image_copy(),
-        wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z: 0 }, ..target.as_image_copy() },
+        wgpu::TexelCopyTextureInfo { origin: from, ..picture.view.texture().as_image_copy() },
+        wgpu::TexelCopyTextureInfo { origin: to, ..target.as_image_copy() },
         wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
     );
 }
@@ -241,7 +446,8 @@ fn new_texture(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat
         format,
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT
             | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
     texture.create_view(&wgpu::TextureViewDescriptor::default())

@@ -54,7 +54,10 @@ impl Sketcher {
         let end = wants_end.clone();
         let thread = std::thread::Builder::new().name("thumbnails".to_owned());
         // The gallery does without pictures if there is no thread to be had.
-        let _ = thread.spawn(move || sketch_all(&sender, &end, &*waker));
+        let _ = thread.spawn(move || {
+            super::background::stand_back();
+            sketch_all(&sender, &end, &*waker);
+        });
         Self { sketches, wants_end }
     }
 

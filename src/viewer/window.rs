@@ -227,10 +227,14 @@ impl OpenWindow {
             smoke.laid_out(&self.window);
         }
         let mut output = Output { context: &self.context, full };
-        let shown = self.graphics.as_mut().map(|graphics| graphics.show(&mut self.app, &mut output));
+        let shown = self.graphics.as_mut().map(|graphics| graphics.show(&mut self.app, &mut output, started));
         drop(output);
         match shown {
-            Some(Ok(shown)) => self.after(shown, started.elapsed()),
+            Some(Ok((shown, more))) => {
+                let more_at = more.and_then(|delay| Instant::now().checked_add(delay));
+                self.redraw_at = self.redraw_at.into_iter().chain(more_at).min();
+                self.after(shown, started.elapsed());
+            }
             Some(Err(error)) => self.lose_graphics(&error)?,
             None => self.redraw_at = Some(self.reopen_at.max(Instant::now() + RETRY)),
         }

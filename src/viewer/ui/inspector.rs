@@ -69,6 +69,9 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         });
     });
     ui.checkbox(&mut look.wireframe, "Edges of the elements").on_hover_text("Wireframe (W)");
+    let hint =
+        "While things move, slow machines draw less finely to keep up; at rest everything is drawn finely";
+    ui.checkbox(&mut look.is_always_fine, "Full detail in motion").on_hover_text(hint);
     row(ui, "Explode", |ui| {
         ui.spacing_mut().slider_width = (ui.available_width() - 4.0).max(40.0);
         let hint = "Moves the fragments apart, only for the eye";

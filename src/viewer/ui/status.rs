@@ -55,6 +55,10 @@ fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {
         ("stage", status.stage.clone(), "What the last step did"),
         ("steps", status.steps.to_string(), "Steps since the start"),
     ];
+    if let Some(detail) = app.detail {
+        let hint = "To keep up, moving pictures are drawn less finely; still ones are not (View: Full detail in motion)";
+        values.push(("detail in motion", detail.to_owned(), hint));
+    }
     if status.sleeping_bodies > 0 {
         values.push(("asleep", status.sleeping_bodies.to_string(), "Bodies at rest, which cost nothing"));
     }
