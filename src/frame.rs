@@ -245,7 +245,8 @@ impl Frame {
         (size_m > 0.0).then(|| (low, [x, y, z].map(|[_, high]| high + reach_m)))
     }
 
-    fn moving(&self) -> impl Iterator<Item = &BodyFrame> {
+    /// The bodies that do not stand fixed.
+    pub fn moving(&self) -> impl Iterator<Item = &BodyFrame> {
         self.bodies.iter().filter(|body| body.role != BodyRole::Fixed)
     }
 

@@ -1,7 +1,9 @@
 //! What can go wrong, and the one place that tells it.
 
+use super::render::PanelState;
 use crate::export::ExportError;
 use crate::sim::SimError;
+use clap::ValueEnum as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -87,10 +89,9 @@ pub fn report_usage(error: &clap::Error) -> ExitCode {
 
 /// The state in `--panels element`, which is read as one argument too many.
 fn unexpected_state(error: &clap::Error) -> Option<&str> {
-    const STATES: [&str; 5] = ["scene", "gallery", "plots", "element", "help"];
     let context = error.get(ContextKind::InvalidArg).filter(|_| error.kind() == ErrorKind::UnknownArgument);
     let Some(ContextValue::String(argument)) = context else { return None };
-    Some(argument.as_str()).filter(|argument| STATES.contains(argument))
+    Some(argument.as_str()).filter(|argument| PanelState::from_str(argument, false).is_ok())
 }
 
 /// Makes a panic say that it is our mistake, in words instead of a dump.

@@ -1,7 +1,7 @@
 //! What `render` can look at more closely: `--cut`, `--crosses`, `--color-range`.
 
 use super::failure::Failure;
-use crate::frame::{BodyRole, ColorBy, Frame};
+use crate::frame::{ColorBy, Frame};
 use crate::render::{Cut, Range, look_inside, parse_with_unit, with_unit};
 use crate::scene::description::CutPlane;
 use glam::Vec3;
@@ -18,8 +18,7 @@ pub struct CutChoice {
 impl CutChoice {
     /// The one that a scene is recorded with; `None` for a direction beyond single precision.
     pub fn of_scene(plane: &CutPlane) -> Option<Self> {
-        let normal = plane.across.normalize_or_zero().as_vec3().try_normalize()?;
-        Some(Self { normal, position_m: plane.at_m.map(|at_m| at_m as f32) })
+        Some(Self { normal: plane.normal()?, position_m: plane.at_m.map(|at_m| at_m as f32) })
     }
 }
 
@@ -134,7 +133,7 @@ impl Looking {
     }
 
     fn note_cut(&mut self, frame: &Frame, plane: &Cut) {
-        for body in frame.bodies.iter().filter(|body| body.role != BodyRole::Fixed) {
+        for body in frame.moving() {
             let places = body.positions_m.iter().map(|point| plane.beyond_m(*point));
             let places = places.filter(|beyond_m| beyond_m.is_finite());
             let Some([low, high]) = places.map(|m| [m, m]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])

@@ -75,9 +75,7 @@ impl Framing {
         self.fixed = fixed_bodies(frame);
         self.is_weightless = frame.is_weightless;
         let moving = frame
-            .bodies
-            .iter()
-            .filter(|body| body.role != BodyRole::Fixed)
+            .moving()
             .flat_map(points_of)
             .filter(|point| self.is_within_limits(*point))
             .map(|point| (point, point))
@@ -93,7 +91,7 @@ impl Framing {
     }
 
     fn include_extremes(&mut self, frame: &Frame) {
-        let bodies = frame.bodies.iter().filter(|b| b.role != BodyRole::Fixed);
+        let bodies = frame.moving();
         let near = bodies.flat_map(points_of).filter(|point| self.is_within_limits(*point));
         let points = near.chain(self.extremes.clone());
         let mut best: Vec<(f32, Vec3)> = Vec::new();

@@ -8,7 +8,7 @@ use crate::sim::{
     BodyMotion, BoundaryAction, ContactChange, ContactMethod, FractureParameters, Material, Pull,
     TimeParameters,
 };
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3};
 
 pub use super::shape::Shape;
 
@@ -305,4 +305,12 @@ pub struct CutPlane {
     pub across: DVec3,
     /// Where the plane is along the direction, m; `None`: in the middle of the bodies.
     pub at_m: Option<f64>,
+}
+
+impl CutPlane {
+    /// The direction as a unit vector in single precision; `None` where it has none.
+    #[must_use]
+    pub fn normal(&self) -> Option<Vec3> {
+        self.across.normalize_or_zero().as_vec3().try_normalize()
+    }
 }

@@ -61,7 +61,7 @@ impl Closer {
     pub fn look_as(&mut self, recording: &Recording, now: &Frame) {
         self.with_crosses = recording.crosses;
         let Some(plane) = &recording.cut else { return };
-        let Some(across) = plane.across.normalize_or_zero().as_vec3().try_normalize() else { return };
+        let Some(across) = plane.normal() else { return };
         let along = [(CutDirection::X, Vec3::X), (CutDirection::Y, Vec3::Y), (CutDirection::Z, Vec3::Z)];
         let axis = along.into_iter().find(|(_, axis)| across.dot(*axis).abs() > 1.0 - 1e-6);
         let is_flipped = axis.is_some_and(|(_, axis)| across.dot(axis) < 0.0);

@@ -1,7 +1,7 @@
 //! Pictures of the built-in scenes for the gallery: made from the scenes themselves, in the background.
 
 use super::scene_camera::opening_camera;
-use crate::frame::{BodyRole, ColorBy, Frame};
+use crate::frame::{ColorBy, Frame};
 use crate::render::{Background, Camera, Framing, Ground, View};
 use crate::scene::{BUILTIN_SCENES, Scene, SceneDescription};
 use crate::sim::World;
@@ -123,12 +123,11 @@ fn opening_view(scene: &SceneDescription, frame: &Frame, framing: &Framing) -> C
     let recorded = opening_camera(scene, framing, aspect);
     let mut fitted = recorded;
     framing.fit(&mut fitted, aspect);
-    let moving = frame.bodies.iter().filter(|body| body.role != BodyRole::Fixed);
     let is_in_sight = |point: &[f32; 3]| {
         let at = recorded.picture_position(Vec3::from(*point), aspect);
         at.is_some_and(|at| at.min_element() > 0.0 && at.max_element() < 1.0)
     };
-    let shows_all = moving.flat_map(|body| &body.positions_m).all(is_in_sight);
+    let shows_all = frame.moving().flat_map(|body| &body.positions_m).all(is_in_sight);
     if shows_all && recorded.distance_m <= fitted.distance_m { recorded } else { fitted }
 }
 
@@ -141,7 +140,7 @@ mod tests {
         for (index, scene) in BUILTIN_SCENES.iter().enumerate() {
             let Sketch { frame, camera, .. } = sketch(index).unwrap();
             let aspect = SIZE_PX[0] as f32 / SIZE_PX[1] as f32;
-            for body in frame.bodies.iter().filter(|body| body.role != BodyRole::Fixed) {
+            for body in frame.moving() {
                 for point in &body.positions_m {
                     let at = camera.picture_position(Vec3::from(*point), aspect).unwrap();
                     assert!(

@@ -121,12 +121,13 @@ fn table_of_words(text: &str, added: &str) -> Result<String, Failure> {
 
 /// Names with values as TOML, in Pa and degrees. Values without a name are those of `standard`, in its order.
 fn values_of_words(standard: &str, values: &str) -> Result<Vec<String>, Failure> {
-    const UNITS: [&str; 6] = ["Pa", "kPa", "MPa", "GPa", "deg", "°"];
+    let is_unit =
+        |word: &str| ["deg", "°"].contains(&word) || STRESS_UNITS.iter().any(|(unit, _)| *unit == word);
     let mut words: Vec<String> = Vec::new();
     for word in values.replace('=', " = ").split([' ', ',', '\t']).filter(|word| !word.is_empty()) {
         match words.last_mut() {
             // What belongs to the word before: an equals sign, what follows it, a unit.
-            Some(last) if word == "=" || last.ends_with('=') || UNITS.contains(&word) => last.push_str(word),
+            Some(last) if word == "=" || last.ends_with('=') || is_unit(word) => last.push_str(word),
             _ => words.push(word.to_owned()),
         }
     }
@@ -237,13 +238,15 @@ pub fn parse_named_number(text: &str) -> Result<(String, f64), String> {
     }
 }
 
+/// Units of stress, Pa; the one that others end in comes last.
+const STRESS_UNITS: [(&str, f64); 4] = [("kPa", 1e3), ("MPa", 1e6), ("GPa", 1e9), ("Pa", 1.0)];
+
 /// Reads a stress in Pa, or with `kPa`, `MPa` or `GPa`.
 ///
 /// # Errors
 /// What is expected, for clap to print.
 pub fn parse_stress(text: &str) -> Result<f64, String> {
-    const UNITS: [(&str, f64); 4] = [("kPa", 1e3), ("MPa", 1e6), ("GPa", 1e9), ("Pa", 1.0)];
-    let (number, factor) = split_unit(text, &UNITS);
+    let (number, factor) = split_unit(text, &STRESS_UNITS);
     match number.parse::<f64>() {
         Ok(value) if (value * factor).abs() < 1e12 => Ok(value * factor),
         Ok(_) => Err("no material bears such a stress".to_owned()),
