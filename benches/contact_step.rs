@@ -145,11 +145,9 @@ impl Press {
             list: &list,
             depths: PairDepths::CONSTRAINED,
         };
-        let fastest_m_s = self.bodies.iter().flat_map(|b| &b.velocities_m_s);
-        let fastest_m_s = fastest_m_s.map(|v| v.length()).fold(0.0, f64::max);
         let mut found = Vec::new();
         let mut close = CloseList::default();
-        close.renew(&pair, candidates, [fastest_m_s * step_s, 0.0]);
+        close.renew(&pair, candidates, 0.0);
         Near::of_close(&pair, &close, 0.0).find(&pair, &mut found);
         found
     }

@@ -1,7 +1,7 @@
 //! The candidates that are close at present: a short list for every step.
 //!
 //! The boxes of the search are wide, so that they last; most of what they find is far from touching. Each candidate that is
-//! looked at and found out of reach sleeps until the bodies may have moved by as much as it lacks.
+//! looked at and found out of reach sleeps until the clusters of its features (see `ways.rs`) have moved by as much as it lacks.
 
 use super::boxes::SurfaceBoxes;
 use super::candidates::{Boxed, Candidates};
@@ -9,11 +9,15 @@ use super::detect::{NEAR, PairDepths, PairView, ThrownNodes};
 use super::follow::Origins;
 use super::geometry::{barycentric, closest_on_lines, distance_of_segments};
 use super::own::OwnFeatures;
+use super::surface::ContactSurface;
 use super::twins::TwinState;
+use super::ways::Ways;
 use crate::mesh::Renumbering;
+use glam::DVec3;
+use rayon::prelude::*;
 
-/// Ways count by this factor: contact may speed them up within the steps to come.
-pub(super) const SPEED_UP: f64 = 2.0;
+/// Ways to come count by this factor, so that what is found close is not looked at in every step.
+const SPEED_UP: f64 = 2.0;
 /// Shift of a foot in its plane, over the way of the points: a patch may turn.
 const SHIFT: f64 = 2.0;
 /// Squared sine of the angle between edges below which their closest points move too fast to say anything.
@@ -24,16 +28,13 @@ const NEARLY_PARALLEL: f64 = 0.04;
 pub struct CloseList {
     candidates: Candidates,
     twin_states: Vec<TwinState>,
-    /// Way that points may have made relative to each other since the search, m.
-    travelled_m: f64,
-    /// The same before the present step, m.
-    before_m: f64,
-    /// By candidate: the travelled way at which it must be looked at again, m; negative where it is close until then.
+    ways: Ways,
     wake: Wake,
     /// Way that points may make in the present step, m.
     way_m: f64,
 }
 
+/// By candidate: the way of its clusters at which it must be looked at again, m; negative where it is close until then.
 #[derive(Clone, Debug, Default)]
 struct Wake {
     node_on_second_m: Vec<f64>,
@@ -46,6 +47,21 @@ impl Wake {
         self.node_on_second_m.resize(all.node_on_second.len(), 0.0);
         self.node_on_first_m.resize(all.node_on_first.len(), 0.0);
         self.edge_pairs_m.resize(all.edge_pairs.len(), 0.0);
+    }
+
+    /// Counts from now on in place of when the ways began.
+    fn count_from_now(&mut self, ways: &Ways) {
+        let before_m: Vec<f64> = ways.of_pairs().map(|(before_m, _)| before_m).collect();
+        let count = |wakes_m: &mut [f64], pairs: &[u32]| {
+            for (wake_m, pair) in wakes_m.iter_mut().zip(pairs) {
+                let before_m = before_m[*pair as usize];
+                *wake_m =
+                    if *wake_m < 0.0 { (*wake_m + before_m).min(0.0) } else { (*wake_m - before_m).max(0.0) };
+            }
+        };
+        count(&mut self.node_on_second_m, &ways.of_node_on_second);
+        count(&mut self.node_on_first_m, &ways.of_node_on_first);
+        count(&mut self.edge_pairs_m, &ways.of_edge_pair);
     }
 
     fn follow(&mut self, origins: &Origins) {
@@ -61,16 +77,18 @@ impl Wake {
 }
 
 impl CloseList {
-    /// Follows a cut of one of two bodies; `all` are the candidates before it, and are brought up to date.
+    /// Follows a cut of one of two bodies, whose nodes are at `positions_m` now; `all` are the candidates before it, and
+    /// are brought up to date.
     pub fn follow_between(
         &mut self,
         all: &mut Candidates,
         [first, second]: [Boxed; 2],
+        positions_m: [&[DVec3]; 2],
         numbers: [Option<&Renumbering>; 2],
     ) {
         let (now, origins) = all.follow_between(first, second, numbers);
         *all = now;
-        self.wake.follow(&origins);
+        self.follow(all, ([first.0, second.0], positions_m, false), &origins);
     }
 
     /// Follows a cut of a body that is near itself; `all` are the candidates before it, and are brought up to date.
@@ -82,18 +100,39 @@ impl CloseList {
     ) {
         let (now, origins) = all.follow_within(own, boxes, numbers);
         *all = now;
-        self.wake.follow(&origins);
+        self.follow(all, ([own.surface; 2], [own.positions_m; 2], true), &origins);
     }
 
-    /// Those of all candidates with thrown nodes that ways of up to `reach_m`, counted from before the step, may make
-    /// touch: more than the close ones when that is more than the list was made ready for.
+    fn follow(
+        &mut self,
+        all: &Candidates,
+        (surfaces, positions_m, is_own): ([&ContactSurface; 2], [&[DVec3]; 2], bool),
+        origins: &Origins,
+    ) {
+        self.ways.look(positions_m);
+        self.wake.count_from_now(&self.ways);
+        self.wake.follow(origins);
+        self.ways = Ways::of(all, surfaces, positions_m, is_own);
+    }
+
+    /// Those of all candidates with thrown nodes that may touch when ways change by up to `change_m`: more than the close
+    /// ones when that is more than the list was made ready for.
     pub(super) fn thrown_within(
         &self,
         all: &Candidates,
         (states, thrown, pair): (&[TwinState], &ThrownNodes, &PairView),
-        reach_m: f64,
+        change_m: f64,
     ) -> Candidates {
-        let is_near = |wake_m: f64| wake_m < 0.0 || wake_m <= self.before_m + reach_m;
+        // Up to which wakes of which clusters count.
+        let flies = self.ways.with_nodes(|side, node| thrown.contains(side, node));
+        let due_m = self.ways.of_pairs().zip(flies).map(|((before_m, ahead_m), flies)| {
+            if flies { before_m + SPEED_UP * ahead_m + change_m } else { f64::NEG_INFINITY }
+        });
+        let due_m: Vec<f64> = due_m.collect();
+        let is_near = |wake_m: f64, pair: u32| {
+            let due_m = due_m[pair as usize];
+            wake_m <= due_m || (wake_m < 0.0 && due_m > f64::NEG_INFINITY)
+        };
         let surface = |side: usize| pair.views[side].surface;
         let nodes_fly = |side: usize, nodes: &[u32]| nodes.iter().any(|n| thrown.contains(side, *n));
         let node_flies = |side: usize, (node, triangle): (u32, u32)| {
@@ -102,22 +141,25 @@ impl CloseList {
         };
         let edge_flies = |side: usize, edge: u32| nodes_fly(side, &surface(side).edges[edge as usize].nodes);
         let mut near = Candidates::default();
-        for (i, pair) in all.node_on_second.iter().enumerate() {
-            let is_wanted = is_near(self.wake.node_on_second_m[i]) && node_flies(0, *pair);
-            if is_wanted && all.is_left_by_twins(i, states) {
-                near.node_on_second.push(*pair);
+        let wakes = self.wake.node_on_second_m.iter().zip(&self.ways.of_node_on_second).enumerate();
+        for (i, _) in wakes.filter(|(_, (wake_m, pair))| is_near(**wake_m, **pair)) {
+            let pair = all.node_on_second[i];
+            if node_flies(0, pair) && all.is_left_by_twins(i, states) {
+                near.node_on_second.push(pair);
                 near.were_one.extend(all.were_one.get(i));
             }
         }
-        for (wake_m, pair) in self.wake.node_on_first_m.iter().zip(&all.node_on_first) {
-            if is_near(*wake_m) && node_flies(1, *pair) {
+        let wakes = self.wake.node_on_first_m.iter().zip(&self.ways.of_node_on_first).zip(&all.node_on_first);
+        for ((wake_m, clusters), pair) in wakes {
+            if is_near(*wake_m, *clusters) && node_flies(1, *pair) {
                 near.node_on_first.push(*pair);
             }
         }
-        for (i, (first, second)) in all.edge_pairs.iter().copied().enumerate() {
-            let is_wanted =
-                is_near(self.wake.edge_pairs_m[i]) && (edge_flies(0, first) || edge_flies(1, second));
-            if is_wanted && all.edges_are_left_by_twins(i, states) {
+        let wakes = self.wake.edge_pairs_m.iter().zip(&self.ways.of_edge_pair).enumerate();
+        for (i, _) in wakes.filter(|(_, (wake_m, pair))| is_near(**wake_m, **pair)) {
+            let (first, second) = all.edge_pairs[i];
+            let flies = edge_flies(0, first) || edge_flies(1, second);
+            if flies && all.edges_are_left_by_twins(i, states) {
                 near.edge_pairs.push((first, second));
             }
         }
@@ -141,68 +183,116 @@ impl CloseList {
         self.way_m
     }
 
-    /// Gets ready for a step in which points come nearer to each other by `way_m` at most, plus a slack by the
-    /// response. `all` are the candidates of the search, always the same for one list.
-    pub fn renew(&mut self, pair: &PairView, all: &Candidates, [way_m, slack_m]: [f64; 2]) {
-        // The last step went as fast as the bodies are now: the response may have thrown them farther than was reckoned with.
-        self.before_m = self.travelled_m + (way_m - SPEED_UP * self.way_m).max(0.0);
-        self.way_m = way_m;
+    /// Gets ready for a step in which the response brings points nearer to each other than their velocities do by up to
+    /// `slack_m`. `all` are the candidates of the search, always the same for one list.
+    pub fn renew(&mut self, pair: &PairView, all: &Candidates, slack_m: f64) {
+        let positions_m = pair.views.map(|view| view.positions_m);
+        if self.ways.fit(all) {
+            self.ways.look(positions_m);
+        } else {
+            let is_own = pair.bodies[0] == pair.bodies[1];
+            self.ways = Ways::of(all, pair.views.map(|view| view.surface), positions_m, is_own);
+        }
+        self.ways.look_ahead(pair.views.map(|view| view.velocities_m_s), pair.step_s);
+        self.way_m = self.ways.most_ahead_m();
         self.twin_states = pair.twin_states(slack_m);
         self.wake.fit(all);
-        let look = Look { pair, before_m: self.before_m, reach_m: SPEED_UP * way_m + slack_m };
-        look.over((all, &self.twin_states), &mut self.wake, &mut self.candidates);
-        self.travelled_m = self.before_m + SPEED_UP * way_m;
+        let reach = |(before_m, ahead_m)| Reach { before_m, reach_m: SPEED_UP * ahead_m + slack_m };
+        let look = Look {
+            pair,
+            all,
+            twin_states: &self.twin_states,
+            reaches: self.ways.of_pairs().map(reach).collect(),
+        };
+        look.over(&self.ways, &mut self.wake, &mut self.candidates);
     }
 }
 
-/// A look at the candidates that are due.
-struct Look<'a> {
-    pair: &'a PairView<'a>,
-    /// Way travelled before the step, m.
+/// How far two clusters have come and may come.
+struct Reach {
+    /// Way until now, m.
     before_m: f64,
-    /// Way up to which candidates are close, m.
+    /// Way to come up to which candidates are close, m.
     reach_m: f64,
 }
 
-impl Look<'_> {
-    /// Whether a candidate is close; asks for its clearance only when it is due.
+impl Reach {
+    /// Whether a candidate that is not asleep is close; asks for its clearance only when it is due.
     fn finds_close(&self, wake_m: &mut f64, clearance_m: impl FnOnce() -> f64) -> bool {
-        let Self { before_m, reach_m, .. } = *self;
-        if *wake_m > before_m + reach_m || *wake_m < -before_m {
-            return *wake_m < 0.0;
+        let Self { before_m, reach_m } = *self;
+        if *wake_m < -before_m {
+            return true;
         }
         let clearance_m = clearance_m();
         let is_close = clearance_m <= reach_m;
         *wake_m = if is_close { -(before_m + reach_m) } else { before_m + clearance_m };
         is_close
     }
+}
 
-    fn over(&self, (all, states): (&Candidates, &[TwinState]), wake: &mut Wake, close: &mut Candidates) {
+/// A look at the candidates that are due.
+struct Look<'a> {
+    pair: &'a PairView<'a>,
+    all: &'a Candidates,
+    twin_states: &'a [TwinState],
+    /// By pair of clusters.
+    reaches: Vec<Reach>,
+}
+
+impl Look<'_> {
+    fn over(&self, ways: &Ways, wake: &mut Wake, close: &mut Candidates) {
+        let (all, states) = (self.all, self.twin_states);
         close.clear();
-        for (i, wake_m) in wake.node_on_second_m.iter_mut().enumerate() {
-            let pair = all.node_on_second[i];
-            if all.is_left_by_twins(i, states)
-                && self.finds_close(wake_m, || node_clearance_m(self.pair, 0, pair))
-            {
-                close.node_on_second.push(pair);
-                close.were_one.extend(all.were_one.get(i));
-            }
+        let of_node = |place: usize, wake_m: &mut f64, reach: &Reach| {
+            all.is_left_by_twins(place, states)
+                && reach.finds_close(wake_m, || node_clearance_m(self.pair, 0, all.node_on_second[place]))
+        };
+        for place in self.close_places(&mut wake.node_on_second_m, &ways.of_node_on_second, of_node) {
+            close.node_on_second.push(all.node_on_second[place as usize]);
+            close.were_one.extend(all.were_one.get(place as usize));
         }
-        for (wake_m, pair) in wake.node_on_first_m.iter_mut().zip(&all.node_on_first) {
-            if self.finds_close(wake_m, || node_clearance_m(self.pair, 1, *pair)) {
-                close.node_on_first.push(*pair);
+        let of_node = |place: usize, wake_m: &mut f64, reach: &Reach| {
+            reach.finds_close(wake_m, || node_clearance_m(self.pair, 1, all.node_on_first[place]))
+        };
+        let places = self.close_places(&mut wake.node_on_first_m, &ways.of_node_on_first, of_node);
+        close.node_on_first.extend(places.into_iter().map(|place| all.node_on_first[place as usize]));
+        let of_edges = |place: usize, wake_m: &mut f64, reach: &Reach| {
+            all.edges_are_left_by_twins(place, states)
+                && reach.finds_close(wake_m, || edge_clearance_m(self.pair, all.edge_pairs[place]))
+        };
+        let places = self.close_places(&mut wake.edge_pairs_m, &ways.of_edge_pair, of_edges);
+        close.edge_pairs.extend(places.into_iter().map(|place| all.edge_pairs[place as usize]));
+    }
+
+    /// Places of the candidates of one kind, of which some sleep and the rest `is_close` judges.
+    fn close_places(
+        &self,
+        wakes_m: &mut [f64],
+        clusters: &[u32],
+        is_close: impl Fn(usize, &mut f64, &Reach) -> bool + Sync,
+    ) -> Vec<u32> {
+        let of_chunk = |(chunk, (wakes_m, clusters)): (usize, (&mut [f64], &[u32]))| -> Vec<u32> {
+            let mut found = Vec::new();
+            for (place, (wake_m, pair)) in (chunk * CHUNK..).zip(wakes_m.iter_mut().zip(clusters)) {
+                let reach = &self.reaches[*pair as usize];
+                let sleeps = *wake_m > reach.before_m + reach.reach_m;
+                if !sleeps && is_close(place, wake_m, reach) {
+                    found.push(place as u32);
+                }
             }
+            found
+        };
+        if wakes_m.len() <= CHUNK {
+            return of_chunk((0, (wakes_m, clusters)));
         }
-        for (i, wake_m) in wake.edge_pairs_m.iter_mut().enumerate() {
-            let pair = all.edge_pairs[i];
-            if all.edges_are_left_by_twins(i, states)
-                && self.finds_close(wake_m, || edge_clearance_m(self.pair, pair))
-            {
-                close.edge_pairs.push(pair);
-            }
-        }
+        let chunks = wakes_m.par_chunks_mut(CHUNK).zip(clusters.par_chunks(CHUNK)).enumerate();
+        let found: Vec<Vec<u32>> = chunks.map(of_chunk).collect();
+        found.concat()
     }
 }
+
+/// Candidates that one task looks at.
+const CHUNK: usize = 8192;
 
 /// Way that a node must make relative to a patch before they can touch, m: of the first body, or of the second (`side` 1).
 fn node_clearance_m(pair: &PairView, side: usize, (node, triangle): (u32, u32)) -> f64 {
@@ -224,8 +314,9 @@ fn node_clearance_m(pair: &PairView, side: usize, (node, triangle): (u32, u32)) 
     let Some(weights) = barycentric(x, patch_m) else { return 0.0 };
     let foot = weights.into_iter().fold(f64::INFINITY, f64::min);
     let beside_m = (-foot - PairDepths::LARGEST) * size_m / SHIFT;
-    // Not a number for a triangle without area.
-    out_of_plane_m.max(beside_m).max(0.0)
+    // The plane of a patch turns: beside it, it moves by more than its corners do. Not a number for a triangle without area.
+    let leverage: f64 = weights.into_iter().map(f64::abs).sum();
+    (out_of_plane_m / leverage).max(beside_m / leverage).max(0.0)
 }
 
 fn edge_clearance_m(pair: &PairView, (first, second): (u32, u32)) -> f64 {

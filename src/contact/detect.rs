@@ -5,7 +5,7 @@
 
 use super::atomic::{AtomicCase, Verdict};
 use super::candidates::Candidates;
-use super::close::{CloseList, SPEED_UP};
+use super::close::CloseList;
 use super::collision_list::CollisionList;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
@@ -15,6 +15,7 @@ use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
 use super::twins::TwinState;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Gap, as a share of the local element size, within which a pair takes part in the response even
 /// when the prediction does not close it: neighbours' impulses may.
@@ -201,18 +202,18 @@ impl Near {
         Self::among(pair, (close.candidates(), close.twin_states()), [close.way_m(), slack_m])
     }
 
-    /// Looks again at what nodes may meet that the response has thrown: their ways, up to `way_m` now, may change by
-    /// `slack_m`. The rest stays as it was found.
+    /// Looks again at what nodes may meet that the response has thrown: their ways may change by `slack_m`. The rest stays
+    /// as it was found.
     pub fn look_again_at(
         &mut self,
         thrown: &ThrownNodes,
         pair: &PairView,
         (candidates, close): (&Candidates, &CloseList),
-        [way_m, slack_m]: [f64; 2],
+        slack_m: f64,
     ) {
         let states = pair.twin_states(slack_m);
-        let reachable = close.thrown_within(candidates, (&states, thrown, pair), SPEED_UP * way_m + slack_m);
-        let found = Self::among(pair, (&reachable, &states), [way_m, slack_m]);
+        let reachable = close.thrown_within(candidates, (&states, thrown, pair), slack_m);
+        let found = Self::among(pair, (&reachable, &states), [close.way_m(), slack_m]);
         let stays = |n: &NearPair| !n.nodes.iter().any(|(side, node)| thrown.contains(*side as usize, *node));
         for (kept, found) in self.nodes.iter_mut().zip(found.nodes) {
             kept.retain(stays);
@@ -232,13 +233,14 @@ impl Near {
         let near_nodes = |side: usize, nodes: &[(u32, u32)], were_one: &[bool]| {
             let side = NodeSide::new(pair, side);
             let were_one = |i: usize| were_one.get(i) == Some(&true);
-            let near = nodes.iter().enumerate();
+            let near = nodes.par_iter().enumerate().with_min_len(NEAR_AT_ONCE);
             near.filter_map(|(i, c)| side.near(*c, were_one(i), [way_m, slack_m])).collect()
         };
         let c = candidates;
+        let edges = c.edge_pairs.par_iter().with_min_len(NEAR_AT_ONCE);
         Self {
             nodes: [near_nodes(0, &c.node_on_second, &c.were_one), near_nodes(1, &c.node_on_first, &[])],
-            edges: c.edge_pairs.iter().filter_map(|c| near_edges(pair, *c, way_m + slack_m)).collect(),
+            edges: edges.filter_map(|c| near_edges(pair, *c, way_m + slack_m)).collect(),
             twins: near_twins(pair, twin_states, way_m + slack_m),
         }
     }
@@ -285,6 +287,9 @@ impl Near {
         out.extend(found.into_iter().filter(|c| closes(c) && !is_known((c.bodies, c.feature))));
     }
 }
+
+/// Close candidates that one task looks at.
+const NEAR_AT_ONCE: usize = 1024;
 
 /// Nodes of one body against patches of the other.
 struct NodeSide<'a> {
@@ -673,7 +678,7 @@ mod tests {
         };
         let mut out = Vec::new();
         let mut close = CloseList::default();
-        close.renew(&pair, &candidates, [step_s * velocity.length(), 0.0]);
+        close.renew(&pair, &candidates, 0.0);
         Near::of_close(&pair, &close, 0.0).find(&pair, &mut out);
         out.len()
     }

@@ -22,6 +22,7 @@ pub mod response;
 pub mod surface;
 pub mod time_of_impact;
 mod twins;
+mod ways;
 
 pub use boxes::SurfaceBoxes;
 pub use close::CloseList;

@@ -79,17 +79,36 @@ pub struct NodeTable {
     predicted_m_s: Vec<DVec3>,
 }
 
+/// Stands for a node that has no place in a table.
+const NO_PLACE: u32 = u32::MAX;
+
 impl NodeTable {
     /// Collects the nodes of the constraints; `state` gives the node of a (body, node).
     #[must_use]
     pub fn new(constraints: &[Constraint], state: impl Fn((u32, u32)) -> ContactNode) -> Self {
-        let id = |c: &Constraint, k: usize| (c.bodies[c.nodes[k].0 as usize], c.nodes[k].1);
-        let mut ids: Vec<(u32, u32)> =
-            constraints.iter().flat_map(|c| (0..4).map(move |k| id(c, k))).collect();
+        let ids_of = |c: &Constraint| c.nodes.map(|(side, node)| (c.bodies[side as usize], node));
+        // By body and node: its place. Nodes are shared by many constraints, so that sorting each once is cheaper.
+        let mut places: Vec<Vec<u32>> = Vec::new();
+        let mut ids: Vec<(u32, u32)> = Vec::new();
+        for (body, node) in constraints.iter().flat_map(ids_of) {
+            let [body, index] = [body, node].map(|number| number as usize);
+            if places.len() <= body {
+                places.resize(body + 1, Vec::new());
+            }
+            let of_body = &mut places[body];
+            if of_body.len() <= index {
+                of_body.resize((index + 1).max(2 * of_body.len()), NO_PLACE);
+            }
+            if std::mem::replace(&mut of_body[index], 0) == NO_PLACE {
+                ids.push((body as u32, node));
+            }
+        }
         ids.sort_unstable();
-        ids.dedup();
-        let place = |id: (u32, u32)| ids.binary_search(&id).unwrap_or_default() as u32;
-        let rows = constraints.iter().map(|c| std::array::from_fn(|k| place(id(c, k)))).collect();
+        for (place, (body, node)) in (0_u32..).zip(&ids) {
+            places[*body as usize][*node as usize] = place;
+        }
+        let place = |(body, node): (u32, u32)| places[body as usize][node as usize];
+        let rows = constraints.iter().map(|c| ids_of(c).map(place)).collect();
         let nodes: Vec<ContactNode> = ids.iter().copied().map(state).collect();
         let predicted_m_s = nodes.iter().map(|n| n.velocity_m_s).collect();
         Self { nodes, rows, predicted_m_s }

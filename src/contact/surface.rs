@@ -2,6 +2,7 @@
 
 use super::geometry::unit_normal;
 use super::twins::{CrackFaces, Twins};
+use super::ways::Clusters;
 use crate::mesh::Surface;
 use glam::DVec3;
 
@@ -55,6 +56,8 @@ pub struct ContactSurface {
     crack_triangles: NodeLists,
     /// Nodes that were one before they cracked.
     pub(super) twins: Twins,
+    /// Which triangles move about alike.
+    pub(super) clusters: Clusters,
 }
 
 /// Lists of numbers, one per node (or whatever is counted), end to end.
@@ -122,7 +125,7 @@ impl ContactSurface {
         let neighbours = NodeLists::new(joined.collect(), reference_m.len());
         let crack_triangles = NodeLists::new(Vec::new(), reference_m.len());
         let crack_sides = vec![None; triangles.len()];
-        Self {
+        let mut surface = Self {
             triangles,
             edges,
             nodes,
@@ -134,7 +137,10 @@ impl ContactSurface {
             neighbours,
             crack_triangles,
             twins: Twins::default(),
-        }
+            clusters: Clusters::default(),
+        };
+        surface.clusters = Clusters::of(&surface);
+        surface
     }
 
     /// The same surface, of which these triangles are crack faces: one entry per triangle.

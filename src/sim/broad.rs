@@ -168,7 +168,8 @@ impl BroadPhase {
             };
             let boxed = [(&bodies[first].surface, a), (&bodies[second].surface, b)];
             let of_pair = pair.bodies.map(|body| (body == cut).then_some(numbers));
-            pair.close.follow_between(&mut pair.candidates, boxed, of_pair);
+            let positions_m = pair.bodies.map(|body| bodies[body].position_m.as_slice());
+            pair.close.follow_between(&mut pair.candidates, boxed, positions_m, of_pair);
             true
         });
     }
@@ -334,7 +335,7 @@ fn is_outrun(boxes: &SurfaceBoxes, body: &Body) -> bool {
 }
 
 /// Speed of the fastest node of the surface, m/s; a bound on it in free travel.
-pub(super) fn fastest_m_s(body: &Body) -> f64 {
+fn fastest_m_s(body: &Body) -> f64 {
     if let Regime::Free(motion) = body.regime {
         return motion.velocity_m_s.length() + motion.spin_rad_s().length() * body.radius_m;
     }

@@ -1,7 +1,7 @@
 //! Contact within one step of one island: detect, respond, book.
 
 use super::body::{Body, Regime};
-use super::broad::{NearPair, fastest_m_s};
+use super::broad::NearPair;
 use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
 use crate::contact::nodes::{ContactNode, NodeTable};
@@ -156,15 +156,7 @@ fn view(body: &Body) -> BodyView<'_> {
     }
 }
 
-/// Way by which points of two bodies may come nearer to each other in a step, m.
-fn way_m(bodies: &[Body], pair: [usize; 2], step_s: f64) -> f64 {
-    if pair[0] == pair[1] {
-        return step_s * 2.0 * bodies[pair[0]].inner_speed_m_s();
-    }
-    step_s * pair.map(|b| fastest_m_s(&bodies[b])).iter().sum::<f64>()
-}
-
-/// Way by which the response may change that before there is a second look, m.
+/// Way by which the response may bring points nearer to each other before there is a second look, m.
 fn look_slack_m(bodies: &[Body], pair: [usize; 2]) -> f64 {
     let slack = if pair[0] == pair[1] { OWN_LOOK_SLACK } else { LOOK_SLACK };
     slack * finer_size_m(bodies, pair)
@@ -183,7 +175,6 @@ pub(super) fn renew_close<'a>(
     step_s: f64,
 ) {
     for pair in pairs {
-        let ways_m = [way_m(bodies, pair.bodies, step_s), look_slack_m(bodies, pair.bodies)];
         let view = PairView {
             bodies: pair.bodies.map(|b| b as u32),
             views: pair.bodies.map(|b| view(&bodies[b])),
@@ -192,7 +183,7 @@ pub(super) fn renew_close<'a>(
             list,
             depths: depths(parameters.method),
         };
-        pair.close.renew(&view, &pair.candidates, ways_m);
+        pair.close.renew(&view, &pair.candidates, look_slack_m(bodies, pair.bodies));
     }
 }
 
@@ -359,9 +350,8 @@ impl Look {
                 look.thrown = thrown;
                 // The velocities are the corrected ones now, a change away from those that slack counts from.
                 let slack_m = look.thrown_slack_m + most_m;
-                let ways_m = [way_m(scene.bodies, pair.bodies, scene.step_s), slack_m];
                 let lists = (&pair.candidates, &pair.close);
-                look.near.look_again_at(&look.thrown, &scene.pair_view(pair), lists, ways_m);
+                look.near.look_again_at(&look.thrown, &scene.pair_view(pair), lists, slack_m);
             }
         }
     }

@@ -289,7 +289,8 @@ mod tests {
             close.follow_within(&mut followed, (&own, &boxes), &numbers);
             assert_same(&followed, &within(&own, &boxes));
             let boxed = [(&other, &other_boxes), (&surface, &boxes)];
-            close_beside.follow_between(&mut followed_beside, boxed, [None, Some(&numbers)]);
+            let at_m = [other_m.as_slice(), positions_m.as_slice()];
+            close_beside.follow_between(&mut followed_beside, boxed, at_m, [None, Some(&numbers)]);
             assert_same(&followed_beside, &beside(&surface, &boxes));
         }
         assert!(cracked > 20 && parted > 5, "{cracked} faces, {parted} nodes");
