@@ -34,6 +34,9 @@ pub struct WithCommon<A: Args> {
     pub common: CommonArgs,
 }
 
+/// Stack of each thread: commands run on them, and a system's first thread has as much.
+const STACK_BYTES: usize = 8 << 20;
+
 /// For a subcommand without arguments of its own.
 #[derive(Debug, Default, Args)]
 pub struct NoArgs {}
@@ -56,6 +59,7 @@ impl CommonArgs {
     pub fn start_threads(&self) -> Result<(), Failure> {
         rayon::ThreadPoolBuilder::new()
             .num_threads(usize::from(self.threads.unwrap_or(0)))
+            .stack_size(STACK_BYTES)
             .build_global()
             .map_err(|error| Failure::Run(format!("cannot start the threads: {error}; try --threads 1")))
     }
