@@ -47,17 +47,18 @@ fn vertex(in: VertexInput) -> VertexOutput {
     return out;
 }
 
-// Half width of the soft edge of shadows, texels of the shadow map.
-const SHADOW_BLUR: f32 = 3.0;
+// Half width of the soft edge of shadows, texture coordinates: as wide whatever the map's texels.
+const SHADOW_BLUR: f32 = 3.0 / 1024.0;
 
 // The share of the key light that arrives. The point is lifted off its surface, the more the
 // flatter the light falls and the wider the filter, so that no surface shadows itself.
 fn key_visibility(world: vec3<f32>, normal: vec3<f32>, facing: f32, is_draft: bool) -> f32 {
     let slope = sqrt(saturate(1.0 - facing * facing));
-    let lift = frame.shadow_texel * (0.7 + SHADOW_BLUR * slope);
+    let side_px = f32(textureDimensions(shadow_map).x);
+    let lift = frame.shadow_texel * (0.7 + SHADOW_BLUR * side_px * slope);
     let projected = frame.shadow_from_world * vec4<f32>(world + normal * lift, 1.0);
     let uv = vec2<f32>(0.5 + 0.5 * projected.x, 0.5 - 0.5 * projected.y);
-    let reach = SHADOW_BLUR / vec2<f32>(textureDimensions(shadow_map));
+    let reach = vec2<f32>(SHADOW_BLUR);
     // Bilinear comparisons on an inner and an outer ring, turned against the grid.
     let inner = vec2<f32>(0.36, 0.15);
     let outer = vec2<f32>(0.36, 0.86);

@@ -2,6 +2,7 @@
 
 use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts, SCENE_FORMAT};
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
+use crate::render::light_maps::LightDetail;
 use wgpu::{BindingResource, BindingType, TextureFormat, TextureUsages};
 
 pub(crate) const WGSL: &str = include_str!("../../shaders/compose_pass.wgsl");
@@ -10,7 +11,8 @@ pub(crate) const WGSL: &str = include_str!("../../shaders/compose_pass.wgsl");
 pub(crate) struct ComposePass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
-    floor_light: wgpu::TextureView,
+    /// By [`LightDetail`].
+    floor_lights: [wgpu::TextureView; 2],
     sampler: wgpu::Sampler,
 }
 
@@ -24,14 +26,15 @@ pub(crate) struct SceneTextures {
     pub depth: wgpu::TextureView,
     /// One sample per pixel.
     pub resolved: wgpu::TextureView,
-    group: wgpu::BindGroup,
+    /// By [`LightDetail`].
+    groups: [wgpu::BindGroup; 2],
 }
 
 impl ComposePass {
     pub fn new(
         device: &wgpu::Device,
         frame: &FrameBinding,
-        floor_light: &wgpu::TextureView,
+        floor_lights: [&wgpu::TextureView; 2],
         target_format: TextureFormat,
     ) -> Self {
         let types = [
@@ -50,7 +53,7 @@ impl ComposePass {
         Self {
             pipeline: parts.build(device),
             layout,
-            floor_light: floor_light.clone(),
+            floor_lights: floor_lights.map(Clone::clone),
             sampler: bindings::linear_sampler(device),
         }
     }
@@ -71,25 +74,33 @@ impl ComposePass {
         };
         let none = TextureUsages::empty();
         let resolved = texture("bodies", SCENE_FORMAT, 1, TextureUsages::TEXTURE_BINDING);
-        let resources = [
-            BindingResource::TextureView(&resolved),
-            BindingResource::TextureView(&self.floor_light),
-            BindingResource::Sampler(&self.sampler),
-        ];
+        let group = |floor_light: &wgpu::TextureView| {
+            let resources = [
+                BindingResource::TextureView(&resolved),
+                BindingResource::TextureView(floor_light),
+                BindingResource::Sampler(&self.sampler),
+            ];
+            bindings::group(device, &self.layout, &resources)
+        };
         SceneTextures {
             size_px,
             samples,
             color: (samples > 1).then(|| texture("body samples", SCENE_FORMAT, samples, none)),
             depth: texture("body depth", DEPTH_FORMAT, samples, none),
-            group: bindings::group(device, &self.layout, &resources),
+            groups: self.floor_lights.each_ref().map(group),
             resolved,
         }
     }
 
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, frame: &FrameBinding, textures: &SceneTextures) {
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        frame: &FrameBinding,
+        (textures, light): (&SceneTextures, LightDetail),
+    ) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &frame.group, &[]);
-        pass.set_bind_group(1, &textures.group, &[]);
+        pass.set_bind_group(1, &textures.groups[light.place()], &[]);
         pass.draw(0..3, 0..1);
     }
 }

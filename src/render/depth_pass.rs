@@ -17,7 +17,6 @@ pub(crate) struct DepthPass {
 #[derive(Debug)]
 pub(crate) struct DepthMap {
     pub view: wgpu::TextureView,
-    pub side_px: u32,
     matrix: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
@@ -46,7 +45,6 @@ impl DepthPass {
         let matrix = bindings::uniform_buffer::<[f32; 16]>(device, label);
         DepthMap {
             view: bindings::whole(&texture),
-            side_px,
             group: bindings::group(device, &self.layout, &[matrix.as_entire_binding()]),
             matrix,
         }

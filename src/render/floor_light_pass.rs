@@ -16,15 +16,21 @@ const DRAFT_TAPS: &[(&str, f64)] = &[("search_taps", 4.0), ("shadow_taps", 5.0),
 
 #[derive(Debug)]
 pub(crate) struct FloorLightPass {
-    /// Key light in red, ambient light in green; see `FloorFit` for where it lies.
-    pub map: wgpu::TextureView,
+    layout: wgpu::BindGroupLayout,
     fine: wgpu::RenderPipeline,
     draft: wgpu::RenderPipeline,
-    group: wgpu::BindGroup,
+}
+
+/// Key light in red, ambient light in green; see `FloorFit` for where it lies.
+#[derive(Debug)]
+pub(crate) struct FloorMap {
+    pub view: wgpu::TextureView,
+    /// What it is drawn from.
+    pub group: wgpu::BindGroup,
 }
 
 impl FloorLightPass {
-    pub fn new(device: &wgpu::Device, frame: &FrameBinding, maps: [&DepthMap; 2], side_px: u32) -> Self {
+    pub fn new(device: &wgpu::Device, frame: &FrameBinding) -> Self {
         let types = [bindings::depth_texture(); 2];
         let layout = bindings::layout(device, "floor light pass", &types);
         let shader = bindings::shader(device, "floor light pass", &with_prelude(WGSL));
@@ -33,20 +39,27 @@ impl FloorLightPass {
             let parts = PipelineParts::full_screen("floor light pass", &shader, &layouts, FORMAT);
             PipelineParts { constants, ..parts }.build(device)
         };
-        let texture = bindings::render_texture(device, "floor light", [side_px; 2], FORMAT);
-        Self {
-            map: bindings::whole(&texture),
-            fine: pipeline(&[]),
-            draft: pipeline(DRAFT_TAPS),
-            group: bindings::group(device, &layout, &maps.map(|map| BindingResource::TextureView(&map.view))),
-        }
+        Self { fine: pipeline(&[]), draft: pipeline(DRAFT_TAPS), layout }
     }
 
-    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, frame: &FrameBinding, quality: Quality) {
-        let mut pass = begin(encoder, &self.map);
+    /// A map to be drawn from a shadow map and a map of heights.
+    pub fn new_map(&self, device: &wgpu::Device, maps: [&DepthMap; 2], side_px: u32) -> FloorMap {
+        let texture = bindings::render_texture(device, "floor light", [side_px; 2], FORMAT);
+        let resources = maps.map(|map| BindingResource::TextureView(&map.view));
+        FloorMap { view: bindings::whole(&texture), group: bindings::group(device, &self.layout, &resources) }
+    }
+
+    pub fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameBinding,
+        map: &FloorMap,
+        quality: Quality,
+    ) {
+        let mut pass = begin(encoder, &map.view);
         pass.set_pipeline(if quality.is_draft { &self.draft } else { &self.fine });
         pass.set_bind_group(0, &frame.group, &[]);
-        pass.set_bind_group(1, &self.group, &[]);
+        pass.set_bind_group(1, &map.group, &[]);
         pass.draw(0..3, 0..1);
     }
 }

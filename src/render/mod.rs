@@ -15,7 +15,7 @@
 //! [`paint`] draws diagrams, flat and without a GPU.
 //!
 //! [`Renderer::render_again`] is for windows: it keeps what hangs on the frame alone while only the camera moves, and
-//! draws less finely if so told ([`Quality`]).
+//! draws less finely if so told ([`Quality`]); [`Renderer::prepare`] builds the triangles of a frame to come meanwhile.
 //!
 //! The GPU half of `x_pass.rs` is `shaders/x_pass.wgsl`.
 //!
@@ -56,8 +56,10 @@ mod framing;
 mod geometry;
 mod gpu;
 mod light;
+mod light_maps;
 mod off_screen;
 mod overlay;
+mod prepared;
 mod quality;
 mod range;
 mod renderer;

@@ -3,30 +3,22 @@
 use crate::frame::Frame;
 use crate::render::camera::Camera;
 use crate::render::compose_pass::{ComposePass, SceneTextures};
-use crate::render::depth_pass::{DepthMap, DepthPass};
 use crate::render::enlarge_pass::{EnlargePass, SmallPicture};
-use crate::render::floor_blur_pass::FloorBlurPass;
-use crate::render::floor_light_pass::FloorLightPass;
 use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
-use crate::render::framing::{Floor, Framing};
-use crate::render::geometry::{Coloring, Geometry, GeometryBuilder, SurfaceVertex};
+use crate::render::framing::Floor;
+use crate::render::geometry::{Geometry, GeometryBuilder, SurfaceVertex};
 use crate::render::gpu::{Gpu, GpuError};
 use crate::render::light::{FloorFit, KEY_LIGHT_SPREAD, ShadowFit, TOWARDS_KEY_LIGHT};
+use crate::render::light_maps::{LightDetail, LightMaps, LightPasses};
 use crate::render::overlay::{Overlay, OverlayContent, Placement, map_of};
+use crate::render::prepared::{Look, Prepared};
 use crate::render::quality::Quality;
-use crate::render::range::Range;
 use crate::render::surface_pass::{SurfacePass, map_row};
 use crate::render::theme::Theme;
-use crate::render::view::{Ground, View};
+use crate::render::view::View;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// Side of the key light's shadow map, texels.
-const SHADOW_SIDE_PX: u32 = 1024;
-/// Side of the map of heights above the floor, texels.
-const HEIGHT_SIDE_PX: u32 = 256;
-/// Side of the floor's light map, texels.
-const FLOOR_LIGHT_SIDE_PX: u32 = 256;
 /// Bodies dim the ambient light on the floor up to this height, in body radii.
 const FLOOR_REACH_RADII: f32 = 0.7;
 /// Radius of the floor around what the camera looks at, in distances of the camera. It hangs on
@@ -79,16 +71,15 @@ fn texture_size_px(view: &wgpu::TextureView) -> [u32; 2] {
 pub struct Renderer {
     gpu: Gpu,
     frame: FrameBinding,
-    depth_pass: DepthPass,
-    shadow_map: DepthMap,
-    height_map: DepthMap,
-    floor_light_pass: FloorLightPass,
-    floor_blur_pass: FloorBlurPass,
+    light_passes: LightPasses,
+    /// By [`LightDetail`].
+    light_maps: [LightMaps; 2],
     surface_pass: SurfacePass,
     compose_pass: ComposePass,
     enlarge_pass: EnlargePass,
     overlay: Overlay,
     geometry: GeometryBuilder,
+    prepared: Option<Prepared>,
     vertices: wgpu::Buffer,
     textures: Option<SceneTextures>,
     small: Option<SmallPicture>,
@@ -99,12 +90,32 @@ pub struct Renderer {
 #[derive(Debug)]
 struct Known {
     frame: Arc<Frame>,
-    coloring: Coloring,
-    floor: Option<Floor>,
-    /// Whether the light maps are a draft.
-    is_draft: bool,
-    /// Vertices.
+    view: View,
+    look: Look,
+    light: LightDetail,
+    triangles: Triangles,
+}
+
+/// The vertices on the GPU.
+#[derive(Clone, Copy, Debug)]
+struct Triangles {
     count: u32,
+    /// The first so many are of bodies and cast shadows.
+    of_bodies: u32,
+    /// See [`Geometry`].
+    bounds_m: Option<(Vec3, Vec3)>,
+    body_radius_m: f32,
+}
+
+impl From<&Geometry> for Triangles {
+    fn from(geometry: &Geometry) -> Self {
+        Self {
+            count: geometry.vertices.len() as u32,
+            of_bodies: geometry.of_bodies as u32,
+            bounds_m: geometry.bounds_m,
+            body_radius_m: geometry.body_radius_m,
+        }
+    }
 }
 
 impl Renderer {
@@ -114,29 +125,25 @@ impl Renderer {
     pub fn new(gpu: &Gpu, target_format: wgpu::TextureFormat) -> Self {
         let device = &gpu.device;
         let frame = FrameBinding::new(device);
-        let depth_pass = DepthPass::new(device);
-        let shadow_map = depth_pass.new_map(device, "shadow map", SHADOW_SIDE_PX);
-        let height_map = depth_pass.new_map(device, "height map", HEIGHT_SIDE_PX);
-        let maps = [&shadow_map, &height_map];
-        let floor_light_pass = FloorLightPass::new(device, &frame, maps, FLOOR_LIGHT_SIDE_PX);
-        let floor_blur_pass = FloorBlurPass::new(device, &floor_light_pass.map);
+        let light_passes = LightPasses::new(device, &frame);
+        let light_maps = LightDetail::ALL.map(|detail| light_passes.new_maps(device, detail));
+        let shadows = light_maps.each_ref().map(|maps| &maps.shadow);
+        let floor_lights = light_maps.each_ref().map(|maps| &maps.floor.view);
         Self {
-            surface_pass: SurfacePass::new((device, &gpu.queue), &frame, &shadow_map),
-            compose_pass: ComposePass::new(device, &frame, &floor_blur_pass.map, target_format),
+            surface_pass: SurfacePass::new((device, &gpu.queue), &frame, shadows),
+            compose_pass: ComposePass::new(device, &frame, floor_lights, target_format),
             enlarge_pass: EnlargePass::new(device, target_format),
             overlay: Overlay::new(device, target_format),
             geometry: GeometryBuilder::default(),
+            prepared: None,
             vertices: vertex_buffer(device, 1 << 16),
             textures: None,
             small: None,
             known: None,
             gpu: gpu.clone(),
             frame,
-            depth_pass,
-            shadow_map,
-            height_map,
-            floor_light_pass,
-            floor_blur_pass,
+            light_passes,
+            light_maps,
         }
     }
 
@@ -173,6 +180,17 @@ impl Renderer {
         self.draw(target, (frame, Some(frame)), (camera, view), quality)
     }
 
+    /// Has another thread build the triangles of a frame that [`Self::render_again`] is to draw next, and tells whether
+    /// it need not wait for them: ask again until then. Only one frame is prepared at a time.
+    pub fn prepare(&mut self, frame: &Arc<Frame>, view: &View) -> bool {
+        let is_free = self.prepared.as_ref().is_none_or(Prepared::is_ready);
+        if is_free && self.prepared.as_ref().is_none_or(|prepared| !prepared.is_of(frame, view)) {
+            let builder = self.prepared.take().map(Prepared::into_builder).unwrap_or_default();
+            self.prepared = Some(Prepared::start(frame, view, builder));
+        }
+        self.prepared.as_ref().is_some_and(|prepared| prepared.is_of(frame, view) && prepared.is_ready())
+    }
+
     fn draw(
         &mut self,
         target: Target<'_>,
@@ -184,49 +202,76 @@ impl Renderer {
             return Ok(());
         }
         self.gpu.check_size(target.size_px)?;
-        let floor = floor_of(frame, view);
-        let range = view.range_for(frame);
-        let cross_scale_pa = view.cross_scale_for(frame);
-        let coloring = Coloring {
-            color_by: view.color_by,
-            range: range.unwrap_or(Range { low: 0.0, high: 1.0 }),
-            cross_scale_pa,
+        let before =
+            self.known.take().filter(|known| shared.is_some_and(|frame| Arc::ptr_eq(frame, &known.frame)));
+        let known_look = before.as_ref().filter(|known| known.view == *view).map(|known| known.look);
+        let prepared_look = shared.and_then(|frame| self.built(frame, view)).map(|(_, look)| look);
+        let look = known_look.or(prepared_look).unwrap_or_else(|| Look::of(frame, view));
+        let before =
+            before.filter(|known| (known.look.coloring, known.look.floor) == (look.coloring, look.floor));
+        let triangles = match &before {
+            Some(known) => known.triangles,
+            None => self.upload((frame, shared), view, look)?,
         };
-        let before = self.known.take().filter(|known| {
-            let is_same = shared.is_some_and(|frame| Arc::ptr_eq(frame, &known.frame));
-            is_same && (known.coloring, known.floor) == (coloring, floor)
-        });
-        let count = match &before {
-            Some(known) => known.count,
-            None => self.upload(frame, floor, coloring)?,
-        };
-        let fits = self.fits(floor);
+        let wanted = LightDetail::of(quality);
+        let lit = before.map(|known| known.light).filter(|light| light.serves(wanted));
+        let light = lit.unwrap_or(wanted);
+        let fits = Fits::new(&triangles, look.floor, light);
         self.write_uniforms(target, (camera, view), &fits, quality);
         self.fit_textures(target.size_px, quality);
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        // A draft is content with better light.
-        let is_lit = before.as_ref().is_some_and(|known| quality.is_draft || !known.is_draft);
-        if !is_lit {
-            self.draw_light(&mut encoder, &fits, quality);
+        if lit.is_none() {
+            let casters = (&self.vertices, triangles.of_bodies);
+            let maps = (&self.frame, &self.light_maps[light.place()]);
+            self.light_passes.draw(&mut encoder, maps, casters, (fits.floor.is_some(), quality));
         }
-        self.draw_scene(&mut encoder, &fits, count, quality);
+        self.draw_scene(&mut encoder, &fits, triangles.count, quality);
+        let Look { range, cross_scale_pa, .. } = look;
         let content = OverlayContent { view, time_s: frame.time_s, range, cross_scale_pa };
-        self.draw_on_target(&mut encoder, target, &content);
+        self.draw_on_target(&mut encoder, (target, light), &content);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.check().inspect_err(|_| {
             // They may be what failed; the next picture gets new ones.
             self.textures = None;
         })?;
-        let is_draft = before.filter(|_| is_lit).map_or(quality.is_draft, |known| known.is_draft);
-        self.known = shared.map(|frame| Known { frame: frame.clone(), coloring, floor, is_draft, count });
+        self.known =
+            shared.map(|frame| Known { frame: frame.clone(), view: view.clone(), look, light, triangles });
         Ok(())
     }
 
-    /// Brings the frame's triangles to the GPU; returns the number of vertices.
-    fn upload(&mut self, frame: &Frame, floor: Option<Floor>, coloring: Coloring) -> Result<u32, GpuError> {
-        let hidden = floor.and_then(|floor| floor.replaces);
-        let vertices = &self.geometry.build(frame, hidden, coloring).vertices;
+    /// What was built in advance of a frame in a view.
+    fn built(&mut self, frame: &Arc<Frame>, view: &View) -> Option<(&GeometryBuilder, Look)> {
+        self.prepared.as_mut().filter(|prepared| prepared.is_of(frame, view))?.built()
+    }
+
+    /// Brings the frame's triangles to the GPU.
+    fn upload(
+        &mut self,
+        (frame, shared): (&Frame, Option<&Arc<Frame>>),
+        view: &View,
+        look: Look,
+    ) -> Result<Triangles, GpuError> {
+        // Taken out of `self` for a while, which is written to.
+        let mut prepared = self.prepared.take();
+        let is_of = |prepared: &&mut Prepared| shared.is_some_and(|frame| prepared.is_of(frame, view));
+        let built = prepared.as_mut().filter(is_of).and_then(Prepared::built);
+        let uploaded = match built {
+            Some((builder, _)) => self.upload_vertices(builder.geometry()),
+            None => {
+                let mut builder = std::mem::take(&mut self.geometry);
+                builder.build(frame, look.hidden(), look.coloring);
+                let uploaded = self.upload_vertices(builder.geometry());
+                self.geometry = builder;
+                uploaded
+            }
+        };
+        self.prepared = prepared;
+        uploaded
+    }
+
+    fn upload_vertices(&mut self, geometry: &Geometry) -> Result<Triangles, GpuError> {
+        let vertices = &geometry.vertices;
         let bytes: &[u8] = bytemuck::cast_slice(vertices);
         let needed = bytes.len() as u64;
         let limit = self.gpu.device.limits().max_buffer_size.min(1 << 31);
@@ -242,11 +287,7 @@ impl Renderer {
             self.vertices = vertex_buffer(&self.gpu.device, (needed + needed / 2).min(limit));
         }
         self.gpu.queue.write_buffer(&self.vertices, 0, bytes);
-        Ok(vertices.len() as u32)
-    }
-
-    fn fits(&self, floor: Option<Floor>) -> Fits {
-        Fits::new(self.geometry.geometry(), floor, self.shadow_map.side_px)
+        Ok(Triangles::from(geometry))
     }
 
     fn write_uniforms(
@@ -264,9 +305,10 @@ impl Renderer {
             uniforms.wire_width = (view.pixels_per_point * quality.share()).max(1.0);
         }
         self.frame.write(queue, &uniforms);
-        self.shadow_map.set_matrix(queue, fits.shadow.shadow_from_world);
+        let maps = &self.light_maps[fits.light.place()];
+        maps.shadow.set_matrix(queue, fits.shadow.shadow_from_world);
         if let Some(floor) = &fits.floor {
-            self.height_map.set_matrix(queue, floor.heights_from_world());
+            maps.height.set_matrix(queue, floor.heights_from_world());
         }
     }
 
@@ -281,29 +323,20 @@ impl Renderer {
         }
     }
 
-    fn draw_light(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, quality: Quality) {
-        let count = self.geometry.geometry().of_bodies as u32;
-        self.depth_pass.draw(encoder, &self.shadow_map, &self.vertices, count);
-        if fits.floor.is_some() {
-            self.depth_pass.draw(encoder, &self.height_map, &self.vertices, count);
-            self.floor_light_pass.draw(encoder, &self.frame, quality);
-            self.floor_blur_pass.draw(encoder);
-        }
-    }
-
     fn draw_scene(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, count: u32, quality: Quality) {
         let Some(textures) = &self.textures else {
             return;
         };
         let mut pass = begin_scene(encoder, textures);
         pass.set_bind_group(0, &self.frame.group, &[]);
-        self.surface_pass.draw(&mut pass, (&self.vertices, count), fits.is_cut_by_floor, quality);
+        let detail = (quality, fits.light);
+        self.surface_pass.draw(&mut pass, (&self.vertices, count), fits.is_cut_by_floor, detail);
     }
 
     fn draw_on_target(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        target: Target<'_>,
+        (target, light): (Target<'_>, LightDetail),
         content: &OverlayContent<'_>,
     ) {
         let placement = Placement {
@@ -314,7 +347,7 @@ impl Renderer {
         self.overlay.prepare(&self.gpu, encoder, placement, content);
         if let (Some(small), Some(textures)) = (&self.small, &self.textures) {
             let mut pass = begin_target(encoder, &Target::whole(&small.view));
-            self.compose_pass.draw(&mut pass, &self.frame, textures);
+            self.compose_pass.draw(&mut pass, &self.frame, (textures, light));
         }
         let mut pass = begin_target(encoder, &target).forget_lifetime();
         let [x, y] = target.origin_px.map(|px| px as f32);
@@ -322,7 +355,7 @@ impl Renderer {
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
         match (&self.small, &self.textures) {
             (Some(small), _) => self.enlarge_pass.draw(&mut pass, small),
-            (None, Some(textures)) => self.compose_pass.draw(&mut pass, &self.frame, textures),
+            (None, Some(textures)) => self.compose_pass.draw(&mut pass, &self.frame, (textures, light)),
             (None, None) => {}
         }
         self.overlay.draw(&mut pass);
@@ -331,6 +364,7 @@ impl Renderer {
 
 /// The lights' maps for one picture.
 struct Fits {
+    light: LightDetail,
     shadow: ShadowFit,
     floor: Option<FloorFit>,
     /// Whether something reaches below the floor.
@@ -338,12 +372,13 @@ struct Fits {
 }
 
 impl Fits {
-    fn new(geometry: &Geometry, floor: Option<Floor>, shadow_px: u32) -> Self {
+    fn new(triangles: &Triangles, floor: Option<Floor>, light: LightDetail) -> Self {
         let nothing = (Vec3::splat(-0.5), Vec3::splat(0.5));
-        let bounds = geometry.bounds_m.unwrap_or(nothing);
-        let reach_m = (FLOOR_REACH_RADII * geometry.body_radius_m).max(1e-5);
+        let bounds = triangles.bounds_m.unwrap_or(nothing);
+        let reach_m = (FLOOR_REACH_RADII * triangles.body_radius_m).max(1e-5);
         Self {
-            shadow: ShadowFit::around(bounds, shadow_px),
+            light,
+            shadow: ShadowFit::around(bounds, light.shadow_side_px()),
             is_cut_by_floor: floor.is_some_and(|f| bounds.0.z < f.height_m - 1e-3 * reach_m),
             floor: floor.map(|floor| FloorFit::around(bounds, floor.height_m, reach_m)),
         }
@@ -359,7 +394,7 @@ fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme
         eye: camera.eye_m().to_array(),
         wireframe: f32::from(u8::from(view.wireframe)),
         towards_light: TOWARDS_KEY_LIGHT.normalize().to_array(),
-        shadow_texel: fits.shadow.side_m / SHADOW_SIDE_PX as f32,
+        shadow_texel: fits.shadow.side_m / fits.light.shadow_side_px() as f32,
         key_light: theme.key_light.to_array(),
         wire_width: view.pixels_per_point.max(1.0),
         sky_light: theme.sky_light.to_array(),
@@ -386,14 +421,6 @@ fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme
         ray_right: right.to_array(),
         ray_up: up.to_array(),
         ..FrameUniforms::default()
-    }
-}
-
-fn floor_of(frame: &Frame, view: &View) -> Option<Floor> {
-    match view.ground {
-        Ground::Auto => Framing::of(frame).floor(),
-        Ground::At(floor) => Some(floor),
-        Ground::Hidden => None,
     }
 }
 

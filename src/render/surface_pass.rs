@@ -5,6 +5,7 @@ use crate::render::color_map::{ColorMap, TABLE_LENGTH};
 use crate::render::depth_pass::DepthMap;
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
 use crate::render::geometry::SurfaceVertex;
+use crate::render::light_maps::LightDetail;
 use crate::render::quality::Quality;
 use wgpu::{BindingResource, BindingType};
 
@@ -26,7 +27,8 @@ pub(crate) const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::Vertex
 pub(crate) struct SurfacePass {
     fine: Pipelines,
     draft: Pipelines,
-    group: wgpu::BindGroup,
+    /// By [`LightDetail`].
+    groups: [wgpu::BindGroup; 2],
 }
 
 /// For one quality.
@@ -37,7 +39,7 @@ struct Pipelines {
 }
 
 impl SurfacePass {
-    pub fn new(gpu: (&wgpu::Device, &wgpu::Queue), frame: &FrameBinding, shadow: &DepthMap) -> Self {
+    pub fn new(gpu: (&wgpu::Device, &wgpu::Queue), frame: &FrameBinding, shadows: [&DepthMap; 2]) -> Self {
         let (device, queue) = gpu;
         let layout = bindings::layout(
             device,
@@ -49,16 +51,17 @@ impl SurfacePass {
                 BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
             ],
         );
-        let group = bindings::group(
-            device,
-            &layout,
-            &[
+        let (comparison, colors) = (comparison_sampler(device), color_map_texture(device, queue));
+        let linear = bindings::linear_sampler(device);
+        let groups = shadows.map(|shadow| {
+            let resources = [
                 BindingResource::TextureView(&shadow.view),
-                BindingResource::Sampler(&comparison_sampler(device)),
-                BindingResource::TextureView(&color_map_texture(device, queue)),
-                BindingResource::Sampler(&bindings::linear_sampler(device)),
-            ],
-        );
+                BindingResource::Sampler(&comparison),
+                BindingResource::TextureView(&colors),
+                BindingResource::Sampler(&linear),
+            ];
+            bindings::group(device, &layout, &resources)
+        });
         let shader = bindings::shader(device, "surface pass", &with_prelude(WGSL));
         let layouts = [&frame.layout, &layout];
         let pipeline = |entry: &str, samples| {
@@ -81,7 +84,7 @@ impl SurfacePass {
         Self {
             fine: pipelines(["fragment", "fragment_above_floor"], Quality::FULL),
             draft: pipelines(draft, Quality::draft([1, 1])),
-            group,
+            groups,
         }
     }
 
@@ -91,11 +94,11 @@ impl SurfacePass {
         pass: &mut wgpu::RenderPass<'_>,
         (vertices, count): (&wgpu::Buffer, u32),
         cut: bool,
-        quality: Quality,
+        (quality, light): (Quality, LightDetail),
     ) {
         let pipelines = if quality.is_draft { &self.draft } else { &self.fine };
         pass.set_pipeline(if cut { &pipelines.above_floor } else { &pipelines.all });
-        pass.set_bind_group(1, &self.group, &[]);
+        pass.set_bind_group(1, &self.groups[light.place()], &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..count, 0..1);
     }

@@ -1,0 +1,101 @@
+//! The maps of what light reaches: fine ones for pictures that last, small ones for drafts.
+
+use crate::render::depth_pass::{DepthMap, DepthPass};
+use crate::render::floor_blur_pass::FloorBlurPass;
+use crate::render::floor_light_pass::{FloorLightPass, FloorMap};
+use crate::render::frame_uniforms::FrameBinding;
+use crate::render::quality::Quality;
+
+/// Which of the maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LightDetail {
+    /// For pictures that last.
+    Fine,
+    /// Half as fine, which is a quarter of the work.
+    Draft,
+}
+
+impl LightDetail {
+    /// Both, in the order of arrays of what belongs to them.
+    pub const ALL: [Self; 2] = [Self::Fine, Self::Draft];
+
+    pub fn of(quality: Quality) -> Self {
+        if quality.is_draft { Self::Draft } else { Self::Fine }
+    }
+
+    /// Its place in such an array.
+    pub fn place(self) -> usize {
+        self as usize
+    }
+
+    /// Whether maps of this detail serve where `wanted` ones are: a draft is content with better light.
+    pub fn serves(self, wanted: Self) -> bool {
+        self == Self::Fine || self == wanted
+    }
+
+    /// Side of the key light's shadow map, texels.
+    pub fn shadow_side_px(self) -> u32 {
+        [1024, 512][self.place()]
+    }
+
+    /// Side of the map of heights above the floor, and of the floor's light map, texels.
+    fn floor_side_px(self) -> u32 {
+        [256, 128][self.place()]
+    }
+}
+
+/// The maps of one detail.
+#[derive(Debug)]
+pub(crate) struct LightMaps {
+    pub shadow: DepthMap,
+    pub height: DepthMap,
+    /// Light on the floor as it is found,
+    rough: FloorMap,
+    /// and smoothed.
+    pub floor: FloorMap,
+}
+
+/// The passes that fill the maps.
+#[derive(Debug)]
+pub(crate) struct LightPasses {
+    depth: DepthPass,
+    floor_light: FloorLightPass,
+    floor_blur: FloorBlurPass,
+}
+
+/// What is in the light's way: the first vertices of a buffer.
+pub(crate) type Casters<'a> = (&'a wgpu::Buffer, u32);
+
+impl LightPasses {
+    pub fn new(device: &wgpu::Device, frame: &FrameBinding) -> Self {
+        Self {
+            depth: DepthPass::new(device),
+            floor_light: FloorLightPass::new(device, frame),
+            floor_blur: FloorBlurPass::new(device),
+        }
+    }
+
+    pub fn new_maps(&self, device: &wgpu::Device, detail: LightDetail) -> LightMaps {
+        let shadow = self.depth.new_map(device, "shadow map", detail.shadow_side_px());
+        let height = self.depth.new_map(device, "height map", detail.floor_side_px());
+        let rough = self.floor_light.new_map(device, [&shadow, &height], detail.floor_side_px());
+        let floor = self.floor_blur.new_map(device, &rough);
+        LightMaps { shadow, height, rough, floor }
+    }
+
+    /// Fills the maps; those of the floor only where there is one.
+    pub fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        (frame, maps): (&FrameBinding, &LightMaps),
+        (vertices, count): Casters<'_>,
+        (has_floor, quality): (bool, Quality),
+    ) {
+        self.depth.draw(encoder, &maps.shadow, vertices, count);
+        if has_floor {
+            self.depth.draw(encoder, &maps.height, vertices, count);
+            self.floor_light.draw(encoder, frame, &maps.rough, quality);
+            self.floor_blur.draw(encoder, &maps.floor);
+        }
+    }
+}
