@@ -100,6 +100,24 @@ impl EditTree {
         self.path.get(index).and_then(|node| self.nodes[*node].edit.pull_mut())
     }
 
+    /// Lets go of what is still held at a time, and returns these pulls; as they were, they can be made again instead.
+    pub fn let_go_at(&mut self, time_s: f64) -> Vec<Pull> {
+        let mut cut = Vec::new();
+        for index in 0..self.path.len() {
+            let node = &self.nodes[self.path[index]];
+            let Some(pull) = node.edit.pull().filter(|pull| pull.until_s > time_s) else { continue };
+            let pull = Pull { until_s: time_s, ..pull.clone() };
+            cut.push(pull.clone());
+            let edit = Edit { done: Done::Pull(pull), ..node.edit.clone() };
+            let (new, then) = (self.nodes.len(), node.then.clone());
+            self.nodes.push(Node { edit, then });
+            let before = index.checked_sub(1).map(|before| self.path[before]);
+            before.map_or(&mut self.start, |before| &mut self.nodes[before].then).push(new);
+            self.path[index] = new;
+        }
+        cut
+    }
+
     /// Makes what was done so far part of the start.
     pub fn give(&mut self) {
         self.given = self.path.len();

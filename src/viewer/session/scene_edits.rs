@@ -66,8 +66,8 @@ impl Session {
     }
 
     fn make(&mut self, edit: &Edit) -> bool {
-        if self.edits.would_begin_step(edit) {
-            // Taking it back must not cost a long way.
+        if self.edits.would_begin_step(edit) && self.run_error.is_none() {
+            // Taking it back must not cost a long way. A world that failed is nothing to go back to.
             self.keep_world();
         }
         let Some(run) = &mut self.run else { return false };

@@ -227,6 +227,10 @@ fn a_failed_run_keeps_its_last_frame_until_the_reset() {
     session.execute(Command::Play);
     session.execute(Command::Step);
     session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    let kept = session.keyframes.len();
+    let contact = ContactParameters { friction_coefficient: 0.9, ..session.snapshot().contact.unwrap() };
+    session.execute(Command::SetContact(contact));
+    assert_eq!(session.keyframes.len(), kept, "nobody goes back to a world that failed");
     let snapshot = session.snapshot();
     assert!(!snapshot.is_playing && snapshot.run_error.is_some());
     assert_eq!(snapshot.frame.time_s, time_s);
@@ -406,6 +410,13 @@ fn a_pulled_body_follows_the_mouse_and_a_saved_scene_pulls_it_again() {
     assert!(session.snapshot().frame.pulls.is_empty());
     play(&mut session, 5);
     assert_same_when_reloaded(&mut session);
+    // Taken back, it can be made again as it was at first as well.
+    let until_s = |session: &Session| session.edits.iter().last().unwrap().pull().unwrap().until_s;
+    let cut_s = until_s(&session);
+    session.execute(Command::Undo);
+    session.execute(Command::RedoOther);
+    assert!(until_s(&session) > cut_s);
+    assert_eq!(session.edits.len(), 1);
 }
 
 #[test]

@@ -155,12 +155,7 @@ impl Session {
         };
         self.edits.go_back_to(edits);
         // Nobody holds on from here.
-        for index in 0..self.edits.len() {
-            if let Some(pull) = self.edits.pull_mut(index).filter(|pull| pull.until_s > time_s) {
-                pull.until_s = time_s;
-                run.world.renew_pull(pull);
-            }
-        }
+        self.edits.let_go_at(time_s).iter().for_each(|pull| run.world.renew_pull(pull));
         self.looked = self.looked.take().filter(|looked| looked.is_before(time_s, edits));
         let has_contact = self.edits.iter().any(|edit| matches!(edit.done, Done::Contact(_)));
         self.contact =
