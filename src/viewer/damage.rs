@@ -280,6 +280,30 @@ mod tests {
     }
 
     #[test]
+    fn a_selected_text_reaches_as_far_as_its_strips() {
+        let context = egui::Context::default();
+        let mut text = None;
+        let mut full = context.run_ui(egui::RawInput::default(), |ui| {
+            let font = egui::FontId::proportional(20.0);
+            text = Some(ui.painter().layout_no_wrap("----".to_owned(), font, Color32::RED));
+        });
+        full.textures_delta.clear();
+        let plain = text.unwrap();
+        let mut selected = plain.clone();
+        let range = egui::text_selection::CCursorRange::two(plain.begin(), plain.end());
+        let visuals = egui::Visuals::default();
+        egui::text_selection::visuals::paint_text_selection(&mut selected, &visuals, &range, None);
+        let strip = selected.rows[0].rect().translate(vec2(40.0, 50.0));
+        let shape = |galley| ClippedShape {
+            shape: TextShape::new(pos2(40.0, 50.0), galley, Color32::RED).into(),
+            ..square(0.0, 0.0, Color32::RED)
+        };
+        let all = layout(vec![shape(plain), shape(selected)]);
+        assert!(!all.extent(&all.shapes[0]).contains_rect(strip), "letters alone are smaller");
+        assert!(all.extent(&all.shapes[1]).contains_rect(strip));
+    }
+
+    #[test]
     fn what_draws_nothing_repaints_nothing() {
         let before = layout(row(2));
         let mut now = before.clone();

@@ -436,8 +436,9 @@ fn escape_ends_throwing_and_what_was_said_goes_away() {
     let camera = |window: &Window| window.state().look.camera;
     let (before, bodies) = (camera(&window), window.state().snapshot.frame.bodies.len());
     hold(&mut window, [area.min + 0.3 * area.size(), area.center()], Modifiers::NONE, 4);
-    window.key_press(egui::Key::Escape);
+    window.key_press(egui::Key::T);
     window.step();
+    assert!(!window.state().aim.is_armed);
     window.event(Event::PointerMoved(area.center() + egui::vec2(60.0, 20.0)));
     settle(&mut window);
     assert_eq!(camera(&window), before);
