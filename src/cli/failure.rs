@@ -5,6 +5,7 @@ use crate::export::ExportError;
 use crate::sim::SimError;
 use clap::ValueEnum as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use std::ffi::OsString;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
@@ -75,10 +76,10 @@ impl From<ExportError> for Failure {
     }
 }
 /// Prints clap's message, or the help that was asked for, and gives its exit status.
-pub fn report_usage(error: &clap::Error) -> ExitCode {
+pub fn report_usage(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
     // Fails only when nobody reads any more.
     let _ = error.print();
-    if let Some(state) = unexpected_state(error) {
+    if let Some(state) = unexpected_state(error, arguments) {
         let _ = writeln!(
             io::stderr(),
             "\n  tip: a state of the window follows --panels with an equals sign: --panels={state}"
@@ -88,10 +89,12 @@ pub fn report_usage(error: &clap::Error) -> ExitCode {
 }
 
 /// The state in `--panels element`, which is read as one argument too many.
-fn unexpected_state(error: &clap::Error) -> Option<&str> {
+fn unexpected_state<'a>(error: &'a clap::Error, arguments: &[OsString]) -> Option<&'a str> {
     let context = error.get(ContextKind::InvalidArg).filter(|_| error.kind() == ErrorKind::UnknownArgument);
     let Some(ContextValue::String(argument)) = context else { return None };
-    Some(argument.as_str()).filter(|argument| PanelState::from_str(argument, false).is_ok())
+    let follows = |state: &str| arguments.windows(2).any(|pair| pair[0] == "--panels" && pair[1] == state);
+    let is_state = |argument: &&str| PanelState::from_str(argument, false).is_ok() && follows(argument);
+    Some(argument.as_str()).filter(is_state)
 }
 
 /// Makes a panic say that it is our mistake, in words instead of a dump.

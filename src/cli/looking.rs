@@ -11,14 +11,18 @@ use glam::Vec3;
 pub struct CutChoice {
     /// What lies in this direction is left out; a unit vector.
     normal: Vec3,
-    /// Place along the direction, m; `None`: the middle of the bodies at the first picture.
+    /// Place along the direction, m; `None`: the middle of the bodies, at the first picture or, where the scene says so,
+    /// at its start.
     position_m: Option<f32>,
+    /// Whether the scene says so, and not the command line.
+    is_of_scene: bool,
 }
 
 impl CutChoice {
     /// The one that a scene is recorded with; `None` for a direction beyond single precision.
     pub fn of_scene(plane: &CutPlane) -> Option<Self> {
-        Some(Self { normal: plane.normal()?, position_m: plane.at_m.map(|at_m| at_m as f32) })
+        let position_m = plane.at_m.map(|at_m| at_m as f32);
+        Some(Self { normal: plane.normal()?, position_m, is_of_scene: true })
     }
 }
 
@@ -33,7 +37,7 @@ pub fn parse_cut(text: &str) -> Result<CutChoice, String> {
     };
     let normal = parse_direction(direction.trim())?;
     let position_m = position.map(parse_position).transpose()?;
-    Ok(CutChoice { normal, position_m })
+    Ok(CutChoice { normal, position_m, is_of_scene: false })
 }
 
 fn parse_direction(text: &str) -> Result<Vec3, String> {
@@ -110,6 +114,11 @@ impl Looking {
         Self { cut, with_crosses, ..Self::default() }
     }
 
+    /// Puts the scene's own plane where the viewer has it: through the middle of the bodies at the start.
+    pub fn begin(&mut self, start: &Frame) {
+        self.plane = self.cut.filter(|cut| cut.is_of_scene).and_then(|cut| place(&cut, start));
+    }
+
     /// Whether frames must come with what is inside.
     pub fn needs_interior(&self) -> bool {
         self.cut.is_some() || self.with_crosses
@@ -121,10 +130,7 @@ impl Looking {
             return frame;
         }
         if self.plane.is_none() {
-            self.plane = self.cut.and_then(|cut| {
-                let middle = || Cut::middle_m(cut.normal, frame.bounds_m().unwrap_or_default());
-                Cut::new(cut.normal, cut.position_m.unwrap_or_else(middle))
-            });
+            self.plane = self.cut.and_then(|cut| place(&cut, &frame));
         }
         if let Some(plane) = self.plane {
             self.note_cut(&frame, &plane);
@@ -150,14 +156,21 @@ impl Looking {
     pub fn doubt(&self) -> Option<String> {
         let ([low, high], plane) = self.reached_m.zip(self.plane).filter(|_| !self.has_cut)?;
         let place = |beyond_m: f32| with_unit(f64::from(beyond_m + plane.position_m), "m");
+        let said_by = if self.cut?.is_of_scene { "recording.cut" } else { "--cut" };
         Some(format!(
-            "`--cut` goes through no body that moves: the plane is at {}, the bodies are between {} and {} along its \
+            "`{said_by}` goes through no body that moves: the plane is at {}, the bodies are between {} and {} along its \
              direction",
             place(0.0),
             place(low),
             place(high)
         ))
     }
+}
+
+/// The plane, if need be through the middle of what a frame shows.
+fn place(cut: &CutChoice, frame: &Frame) -> Option<Cut> {
+    let middle = || Cut::middle_m(cut.normal, frame.near_bounds_m().unwrap_or_default());
+    Cut::new(cut.normal, cut.position_m.unwrap_or_else(middle))
 }
 
 #[cfg(test)]
@@ -167,7 +180,7 @@ mod tests {
 
     #[test]
     fn cuts_are_read_with_and_without_a_place() {
-        let cut = |normal: Vec3, position_m| Ok(CutChoice { normal, position_m });
+        let cut = |normal: Vec3, position_m| Ok(CutChoice { normal, position_m, is_of_scene: false });
         assert_eq!(parse_cut("x"), cut(Vec3::X, None));
         assert_eq!(parse_cut("-Y=-0.25"), cut(Vec3::NEG_Y, Some(-0.25)));
         assert_eq!(parse_cut("z = 50 mm"), cut(Vec3::Z, Some(0.05)));
@@ -197,6 +210,26 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_is_cut_where_its_bodies_start_and_by_hand_where_they_are() {
+        let ball = |x: f32| Frame {
+            bodies: vec![BodyFrame {
+                positions_m: vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0]],
+                ..Default::default()
+            }],
+            ..Frame::default()
+        };
+        let place = |cut: CutChoice| {
+            let mut looking = Looking::new(Some(cut), false);
+            looking.begin(&ball(0.0));
+            looking.look(ball(5.0));
+            looking.plane.unwrap().position_m
+        };
+        let plane = CutPlane { across: glam::DVec3::X, at_m: None };
+        assert_eq!(place(CutChoice::of_scene(&plane).unwrap()), 0.5);
+        assert_eq!(place(parse_cut("x").unwrap()), 5.5);
+    }
+
+    #[test]
     fn a_cut_beside_everything_is_doubted() {
         let ball = |x: f32| Frame {
             bodies: vec![BodyFrame {
@@ -215,5 +248,9 @@ mod tests {
         let doubt = look("-x=-9", &[0.0, 5.0]).unwrap();
         assert!(doubt.contains("the plane is at −9 m, the bodies are between −6 m and 0"), "{doubt}");
         assert_eq!(Looking::default().doubt(), None);
+        let plane = CutPlane { across: glam::DVec3::X, at_m: Some(9.0) };
+        let mut own = Looking::new(CutChoice::of_scene(&plane), false);
+        own.look(ball(0.0));
+        assert!(own.doubt().unwrap().starts_with("`recording.cut` goes through no body"));
     }
 }

@@ -27,6 +27,7 @@ use args::{CommonArgs, NoArgs, WithCommon};
 use clap::{Parser, Subcommand};
 use console::Console;
 use failure::Failure;
+use std::ffi::OsString;
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
 
@@ -105,9 +106,10 @@ impl Cli {
 #[must_use]
 pub fn main() -> ExitCode {
     failure::install_panic_hook();
-    let cli = match Cli::try_parse() {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(error) => return failure::report_usage(&error),
+        Err(error) => return failure::report_usage(&error, &arguments),
     };
     // The hook has told about a panic; here it only gets its exit status.
     match std::panic::catch_unwind(AssertUnwindSafe(|| run_command(&cli))) {

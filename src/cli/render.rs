@@ -200,6 +200,7 @@ struct Film {
 fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Film, Result<Arrival, Failure>) {
     let mut film = Film::default();
     let mut looking = shot.looking();
+    looking.begin(&world.publish());
     let mut progress = console.progress(shot.end_s());
     for moment_s in shot.moments_s() {
         let arrival = stepping::advance(world, moment_s, |_, step| {

@@ -303,7 +303,7 @@ pub struct Recording {
 pub struct CutPlane {
     /// What lies in this direction is left out; not zero.
     pub across: DVec3,
-    /// Where the plane is along the direction, m; `None`: in the middle of the bodies.
+    /// Where the plane is along the direction, m; `None`: in the middle of the bodies at the start.
     pub at_m: Option<f64>,
 }
 

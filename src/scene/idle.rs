@@ -9,6 +9,7 @@ pub(super) fn doubts(scene: &SceneDescription) -> Vec<(String, String)> {
     found.extend(idle.removals());
     found.extend(idle.contact_changes());
     found.extend(idle.pulls());
+    found.extend(idle.color_range());
     found
 }
 
@@ -27,9 +28,16 @@ impl Idle<'_> {
         self.scene.bodies.iter().find(|body| body.names_of_copies().iter().any(|copy| copy == name))
     }
 
-    /// When a body is taken out, s.
+    /// When a body comes in, s.
+    fn enters_s(&self, name: &str) -> f64 {
+        self.body(name).and_then(|body| body.enters_s).unwrap_or(0.0)
+    }
+
+    /// When a body is taken out, s; nobody is before he has come in.
     fn leaves_s(&self, name: &str) -> f64 {
-        let own = self.scene.removals.iter().filter(|removal| removal.body == name);
+        let enters_s = self.enters_s(name);
+        let own = self.scene.removals.iter();
+        let own = own.filter(|removal| removal.body == name && removal.at_s >= enters_s);
         own.map(|removal| removal.at_s).fold(f64::INFINITY, f64::min)
     }
 
@@ -46,7 +54,7 @@ impl Idle<'_> {
         let mut found = Vec::new();
         for (index, removal) in self.scene.removals.iter().enumerate() {
             let path = format!("removals[{index}]");
-            let enters_s = self.body(&removal.body).and_then(|body| body.enters_s).unwrap_or(0.0);
+            let enters_s = self.enters_s(&removal.body);
             let message = if let Some(why) = self.beyond_the_end(removal.at_s) {
                 format!("`{path}` never acts: it is {why}")
             } else if removal.at_s < enters_s {
@@ -60,6 +68,17 @@ impl Idle<'_> {
             found.push((format!("{path}.at"), message));
         }
         found
+    }
+
+    fn color_range(&self) -> Option<(String, String)> {
+        let recording = &self.scene.recording;
+        recording.color_range.filter(|_| !recording.color_by.has_values())?;
+        let message = format!(
+            "`recording.color_range` has no effect: colours by {} have no values; choose a field with \
+             `recording.color_by`, for example \"von-mises\"",
+            recording.color_by.name()
+        );
+        Some(("recording.color_range".to_owned(), message))
     }
 
     fn contact_changes(&self) -> Vec<(String, String)> {
@@ -126,6 +145,28 @@ mod tests {
             assert!(found.len() == 1 && found[0].contains(part), "{found:?}");
             assert!(found[0].starts_with("b.toml:"), "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_removal_that_never_acts_takes_nobody_from_a_pull() {
+        let late = "[[removals]]\nbody = \"ball\"\nat = 0.1\n[[pulls]]\nbody = \"ball\"\nat = [0, 0, 1]\n\
+                    path = [{ time = 0.3, point = [0, 0, 1] }, { time = 0.4, point = [0, 0, 2] }]\n";
+        let text = format!("{}\n{late}", include_str!("../../assets/scenes/bounce.toml"));
+        let late = ["bodies[0].enters=0.2".to_owned()];
+        let found = Scene::from_text("b.toml", &text, std::path::Path::new("."), &late).unwrap().warnings;
+        assert!(found.len() == 1 && found[0].contains("`removals[0]` never acts"), "{found:?}");
+    }
+
+    #[test]
+    fn a_colour_range_without_values_is_warned_about() {
+        let warnings = |color_by: &str| {
+            let overrides =
+                [format!("recording.color_by={color_by}"), "recording.color_range=[0, 1]".to_owned()];
+            Scene::load("bounce", &overrides).unwrap().warnings
+        };
+        assert_eq!(warnings("speed"), [""; 0]);
+        let found = warnings("body");
+        assert!(found.len() == 1 && found[0].contains("colours by body have no values"), "{found:?}");
     }
 
     #[test]

@@ -16,6 +16,13 @@ impl Quantity {
         Self { unit, above: f64::NEG_INFINITY, at_least: f64::MIN, at_most: f64::MAX, below: f64::INFINITY }
     }
 
+    /// A number that pictures, which work with single precision, can take.
+    pub const fn drawable(unit: &'static str) -> Self {
+        let mut quantity = Self::any(unit);
+        (quantity.at_least, quantity.at_most) = (-1e38, 1e38);
+        quantity
+    }
+
     /// A number above zero.
     pub const fn positive(unit: &'static str) -> Self {
         let mut quantity = Self::any(unit);
@@ -66,10 +73,10 @@ impl Quantity {
             limits.push(format!("above {}", self.above));
         }
         if self.at_least > f64::MIN {
-            limits.push(format!("at least {}", self.at_least));
+            limits.push(format!("at least {}", in_short(self.at_least)));
         }
         if self.at_most < f64::MAX {
-            limits.push(format!("at most {}", self.at_most));
+            limits.push(format!("at most {}", in_short(self.at_most)));
         }
         if self.below.is_finite() {
             limits.push(format!("below {}", self.below));
@@ -89,4 +96,9 @@ impl Quantity {
     pub fn stand_in(self) -> f64 {
         [1.0, 0.0, 0.1, self.at_least].into_iter().find(|&number| self.allows(number)).unwrap_or(0.25)
     }
+}
+
+/// Without forty zeros.
+fn in_short(number: f64) -> String {
+    if number.abs() < 1e9 { number.to_string() } else { format!("{number:e}") }
 }

@@ -346,9 +346,14 @@ impl World {
     }
 
     /// Takes a body out at the present time. Its number stays; its energy leaves as work done on the outside.
-    pub fn remove_body(&mut self, index: usize) {
-        if self.bodies[index].is_removed {
-            return;
+    ///
+    /// # Errors
+    /// [`SimError::Setup`] when there never was a body of that number.
+    pub fn remove_body(&mut self, index: usize) -> Result<(), SimError> {
+        match self.bodies.get(index) {
+            None => return Err(SimError::Setup(format!("there is no body number {index}"))),
+            Some(body) if body.is_removed => return Ok(()),
+            Some(_) => {}
         }
         self.place_free_bodies();
         let gravity = self.setup.gravity_m_s2;
@@ -368,6 +373,7 @@ impl World {
                 self.wake(other);
             }
         }
+        Ok(())
     }
 
     /// Whether the body was taken out.
@@ -388,7 +394,7 @@ impl World {
                 super::Change::Enter(entrance) => drop(self.enter(&entrance)?),
                 super::Change::Leave(name) => {
                     let body = self.bodies.iter().position(|b| b.name == name);
-                    body.into_iter().for_each(|body| self.remove_body(body));
+                    body.map_or(Ok(()), |body| self.remove_body(body))?;
                 }
                 super::Change::Contact(change) => self.change_contact(&change)?,
                 super::Change::Pull(pull) => self.pull(&pull)?,

@@ -28,6 +28,8 @@ pub struct Aim {
     pub spin_rad_s: f64,
     /// Start and present place of the drag, as shares of the picture.
     pub drag: Option<[Vec2; 2]>,
+    /// Whether the button still is down that drew a line before aiming ended: it turns no camera.
+    pub is_spent: bool,
 }
 
 impl Default for Aim {
@@ -39,6 +41,7 @@ impl Default for Aim {
             speed_m_s: 8.0,
             spin_rad_s: 0.0,
             drag: None,
+            is_spent: false,
         }
     }
 }
@@ -52,6 +55,12 @@ pub struct Path {
 }
 
 impl Aim {
+    /// Dragging throws, or turns the camera again.
+    pub fn arm(&mut self, is_armed: bool) {
+        self.is_armed = is_armed;
+        self.is_spent |= self.drag.take().is_some();
+    }
+
     /// A speed that suits the size of a scene: that of a fall over some lengths of its bodies.
     pub fn suit(&mut self, frame: &Frame) {
         let size_m = typical_size_in(frame);

@@ -577,6 +577,11 @@ impl App {
         self.simulation.send(command);
     }
 
+    fn retrace(&mut self, command: Command) {
+        self.player.leave();
+        self.simulation.send(command);
+    }
+
     fn aspect(&self) -> f32 {
         self.viewport.map_or(16.0 / 9.0, |rect| rect.width() / rect.height().max(1.0))
     }
@@ -602,19 +607,11 @@ impl App {
             }
             Action::Drag(to_m) => self.simulation.send(Command::Drag(to_m)),
             Action::LetGo => self.simulation.send(Command::LetGo),
-            Action::Undo => {
-                self.player.leave();
-                self.simulation.send(Command::Undo);
-            }
-            Action::Redo => {
-                self.player.leave();
-                self.simulation.send(Command::Redo);
-            }
-            Action::ToggleAim => {
-                self.aim.is_armed = !self.aim.is_armed;
-                self.aim.drag = None;
-            }
-            Action::StopAiming => (self.aim.is_armed, self.aim.drag) = (false, None),
+            Action::Undo => self.retrace(Command::Undo),
+            Action::Redo => self.retrace(Command::Redo),
+            Action::RedoOther => self.retrace(Command::RedoOther),
+            Action::ToggleAim => self.aim.arm(!self.aim.is_armed),
+            Action::StopAiming => self.aim.arm(false),
             Action::LookAt(time_s) => self.look_back(|player, _| player.go_to(time_s)),
             Action::StepRecorded(by) => self.look_back(|player, recording| player.step(recording, by)),
             Action::Replay => self.look_back(|player, recording| player.toggle(recording)),

@@ -175,7 +175,7 @@ pub fn has_interior(frame: &Frame) -> bool {
 }
 
 /// A colour range as it is typed.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TypedRange {
     /// Whether it counts.
     pub is_on: bool,
@@ -183,6 +183,15 @@ pub struct TypedRange {
     pub low: String,
     /// The upper end.
     pub high: String,
+    /// What the scene says: it has more digits than its text, and holds until that is edited.
+    given: Option<GivenRange>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct GivenRange {
+    color_by: ColorBy,
+    /// How an end is written, and its value.
+    ends: [(String, f64); 2],
 }
 
 impl TypedRange {
@@ -190,18 +199,17 @@ impl TypedRange {
     pub fn start_from(&mut self, range: Option<Range>, color_by: ColorBy) {
         let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
         let text = |value: f32| with_unit(f64::from(value), color_by.unit());
-        *self = Self { is_on: true, low: text(range.low), high: text(range.high) };
+        *self = Self { is_on: true, low: text(range.low), high: text(range.high), given: None };
     }
 
     /// As a scene is recorded.
     #[must_use]
     pub fn of_scene(recording: &Recording) -> Self {
-        let text = |value: f64| with_unit(value, recording.color_by.unit());
-        recording.color_range.map_or_else(Self::default, |[low, high]| Self {
-            is_on: true,
-            low: text(low),
-            high: text(high),
-        })
+        let color_by = recording.color_by;
+        let Some(ends) = recording.color_range else { return Self::default() };
+        let ends = ends.map(|value| (with_unit(value, color_by.unit()), value));
+        let [low, high] = ends.each_ref().map(|(text, _)| text.clone());
+        Self { is_on: true, low, high, given: Some(GivenRange { color_by, ends }) }
     }
 
     /// The range; `None` when colours find their own.
@@ -209,19 +217,30 @@ impl TypedRange {
     /// # Errors
     /// What is wrong with what was typed.
     pub fn range(&self, color_by: ColorBy) -> Result<Option<Range>, String> {
+        let Some([low, high]) = self.ends(color_by)? else { return Ok(None) };
+        Range::chosen(low, high)
+            .map(Some)
+            .map_err(|reason| format!("Until this is mended colours find their own range: {reason}"))
+    }
+
+    /// Its ends with all their digits.
+    ///
+    /// # Errors
+    /// What is wrong with what was typed.
+    pub fn ends(&self, color_by: ColorBy) -> Result<Option<[f64; 2]>, String> {
         if !self.is_on || !color_by.has_values() {
             return Ok(None);
         }
-        let end = |text: &str| {
-            parse_with_unit(text, color_by.unit()).ok_or_else(|| match color_by.unit() {
+        let given = self.given.as_ref().filter(|given| given.color_by == color_by);
+        let given = |end: usize| given.map(|given| &given.ends[end]);
+        let end = |text: &str, given: Option<&(String, f64)>| {
+            let given = given.filter(|(written, _)| written == text).map(|(_, value)| *value);
+            given.or_else(|| parse_with_unit(text, color_by.unit())).ok_or_else(|| match color_by.unit() {
                 "" => format!("“{}” is no number", text.trim()),
                 unit => format!("“{}” is no value in {unit}", text.trim()),
             })
         };
-        let (low, high) = (end(&self.low)?, end(&self.high)?);
-        Range::chosen(low, high)
-            .map(Some)
-            .map_err(|reason| format!("Until this is mended colours find their own range: {reason}"))
+        Ok(Some([end(&self.low, given(0))?, end(&self.high, given(1))?]))
     }
 }
 
@@ -288,5 +307,19 @@ mod tests {
         typed.low = "much".to_owned();
         assert!(typed.range(ColorBy::MeanStress).unwrap_err().contains("much"));
         assert_eq!(typed.range(ColorBy::Body), Ok(None));
+    }
+
+    #[test]
+    fn a_recorded_range_keeps_its_digits_until_it_is_edited() {
+        let ends = [1_234_567.891, 1_234_999.25];
+        let recording = Recording { color_by: ColorBy::VonMises, color_range: Some(ends), ..recording() };
+        let mut typed = TypedRange::of_scene(&recording);
+        assert_eq!(typed.ends(ColorBy::VonMises), Ok(Some(ends)));
+        typed.high = "3 MPa".to_owned();
+        assert_eq!(typed.ends(ColorBy::VonMises), Ok(Some([ends[0], 3e6])));
+        // For another field its text counts as if it had been typed.
+        assert_eq!(typed.ends(ColorBy::MaxPrincipal).unwrap().unwrap()[1], 3e6);
+        assert_ne!(typed.ends(ColorBy::MaxPrincipal).unwrap().unwrap()[0], ends[0]);
+        assert!(typed.ends(ColorBy::Speed).is_err());
     }
 }

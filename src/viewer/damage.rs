@@ -1,8 +1,9 @@
 //! Which parts of the window have to be painted again, so that a number that changes does not repaint all panels: a
 //! software driver needs longer for them than for many a scene.
 
-use egui::epaint::ClippedShape;
-use egui::{Color32, Rect, pos2};
+use egui::emath::Rot2;
+use egui::epaint::{ClippedShape, TextShape};
+use egui::{Color32, Rect, Shape, pos2};
 
 /// Shapes that are looked through for one that is missing or new.
 const LOOK_AHEAD: usize = 48;
@@ -48,8 +49,8 @@ impl Layout {
     fn extent(&self, shape: &ClippedShape) -> Rect {
         let scale = self.pixels_per_point;
         let clip = (shape.clip_rect * scale).expand(1.0);
-        let bounds = shape.transform_after_tessellation * shape.shape.visual_bounding_rect();
-        let bounds = (bounds * scale).expand(SMOOTHING_PX);
+        let Some(bounds) = bounds_of(&shape.shape) else { return Rect::NOTHING };
+        let bounds = (shape.transform_after_tessellation * bounds * scale).expand(SMOOTHING_PX);
         // What has no sound extent may be anywhere.
         let touched = if bounds.is_finite() { bounds.intersect(clip) } else { clip };
         rounded_out(touched).intersect(self.whole())
@@ -85,6 +86,25 @@ impl Layout {
         }
         parts.0
     }
+}
+
+/// All that a shape may touch before it is clipped, points; `None` for nothing.
+fn bounds_of(shape: &Shape) -> Option<Rect> {
+    match shape {
+        Shape::Vec(parts) => parts.iter().filter_map(bounds_of).reduce(Rect::union),
+        Shape::Text(text) => bounds_of_text(text),
+        shape => Some(shape.visual_bounding_rect()).filter(|bounds| *bounds != Rect::NOTHING),
+    }
+}
+
+/// Letters, and the strips behind those that are selected, of which the text's own bounds know nothing.
+fn bounds_of_text(text: &TextShape) -> Option<Rect> {
+    let letters = (text.galley.mesh_bounds != Rect::NOTHING).then(|| text.visual_bounding_rect());
+    let rows = text.galley.rows.iter().filter(|row| !row.visuals.mesh.is_empty());
+    let painted = rows.map(|row| row.visuals.mesh.calc_bounds().translate(row.pos.to_vec2()));
+    let turned =
+        |painted: Rect| painted.rotate_bb(Rot2::from_angle(text.angle)).translate(text.pos.to_vec2());
+    letters.into_iter().chain(painted.map(turned)).reduce(Rect::union)
 }
 
 /// How many shapes are gone at the front and how many have come; none where both begin with the same one.
@@ -257,5 +277,37 @@ mod tests {
         assert_eq!(area(hole(-5.0, 5.0)), 75.0);
         assert_eq!(area(hole(-5.0, 50.0)), 0.0);
         assert_eq!(area(hole(20.0, 30.0)), 100.0);
+    }
+
+    #[test]
+    fn a_selected_text_reaches_as_far_as_its_strips() {
+        let context = egui::Context::default();
+        let mut text = None;
+        let mut full = context.run_ui(egui::RawInput::default(), |ui| {
+            let font = egui::FontId::proportional(20.0);
+            text = Some(ui.painter().layout_no_wrap("----".to_owned(), font, Color32::RED));
+        });
+        full.textures_delta.clear();
+        let plain = text.unwrap();
+        let mut selected = plain.clone();
+        let range = egui::text_selection::CCursorRange::two(plain.begin(), plain.end());
+        let visuals = egui::Visuals::default();
+        egui::text_selection::visuals::paint_text_selection(&mut selected, &visuals, &range, None);
+        let strip = selected.rows[0].rect().translate(vec2(40.0, 50.0));
+        let shape = |galley| ClippedShape {
+            shape: TextShape::new(pos2(40.0, 50.0), galley, Color32::RED).into(),
+            ..square(0.0, 0.0, Color32::RED)
+        };
+        let all = layout(vec![shape(plain), shape(selected)]);
+        assert!(!all.extent(&all.shapes[0]).contains_rect(strip), "letters alone are smaller");
+        assert!(all.extent(&all.shapes[1]).contains_rect(strip));
+    }
+
+    #[test]
+    fn what_draws_nothing_repaints_nothing() {
+        let before = layout(row(2));
+        let mut now = before.clone();
+        now.shapes.push(ClippedShape { shape: Shape::Noop, ..square(0.0, 0.0, Color32::RED) });
+        assert_eq!(now.changes_since(&before, false), []);
     }
 }

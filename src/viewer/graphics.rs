@@ -2,11 +2,14 @@
 
 use super::app::App;
 use super::stage::{Output, Stage};
-use super::steering::Steering;
+use super::steering::{Steering, without_wait};
 use crate::render::{AdapterChoice, Gpu, GpuError, new_instance};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::window::Window;
+
+/// Time between two pictures of a screen that does not say how often it shows one.
+const USUAL_REFRESH: Duration = Duration::from_micros(16_667);
 
 /// Whether a frame came onto the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +28,8 @@ pub struct Graphics {
     config: wgpu::SurfaceConfiguration,
     stage: Stage,
     opened: Instant,
+    /// Time between two pictures of the screen.
+    refresh: Duration,
     /// Whether the device is made of the same cores as everything else: nothing is gained by not waiting for it then,
     /// and only so does a frame's time tell how slow it is.
     is_software: bool,
@@ -46,7 +51,8 @@ impl Graphics {
         let mut stage = Stage::new(gpu, config.format, can_copy)?;
         stage.steering = Some(Steering::default());
         let opened = Instant::now();
-        let mut graphics = Self { window, instance, surface, config, stage, opened, is_software };
+        let refresh = USUAL_REFRESH;
+        let mut graphics = Self { window, instance, surface, config, stage, opened, refresh, is_software };
         graphics.configure();
         Ok(graphics)
     }
@@ -79,7 +85,9 @@ impl Graphics {
     ) -> Result<(Shown, Option<Duration>), GpuError> {
         let now = self.opened.elapsed();
         let more = self.stage.draw_pictures(app, output.full.pixels_per_point, now)?;
+        let asked = Instant::now();
         let acquired = self.acquire()?;
+        let waited = asked.elapsed();
         self.stage.paint(app, output, acquired.as_ref().map(|surface| &surface.texture));
         let shown = if acquired.is_some() { Shown::Yes } else { Shown::NotNow };
         if let Some(acquired) = acquired {
@@ -90,8 +98,10 @@ impl Graphics {
             self.stage.gpu.wait(None)?;
         }
         self.stage.gpu.check()?;
-        self.stage.took(started.elapsed(), self.opened.elapsed());
-        Ok((shown, more))
+        let took = without_wait(started.elapsed(), waited, self.refresh);
+        let took = Some(took).filter(|_| shown == Shown::Yes);
+        let is_news = self.stage.took(app, took, self.opened.elapsed());
+        Ok((shown, if is_news { Some(Duration::ZERO) } else { more }))
     }
 
     /// The next texture of the surface; `None` when there is none now, after renewing what needs it.
@@ -100,14 +110,16 @@ impl Graphics {
         if self.config.width == 0 || self.config.height == 0 {
             return Ok(None);
         }
-        match self.surface.get_current_texture() {
-            Current::Success(texture) => return Ok(Some(texture)),
-            // Shown all the same: the resize that made it so brings a new configuration.
-            Current::Suboptimal(texture) => return Ok(Some(texture)),
-            Current::Timeout | Current::Occluded => return Ok(None),
-            Current::Outdated => {}
-            Current::Lost => self.surface = new_surface(&self.instance, &self.window)?,
-            Current::Validation => self.stage.gpu.check()?,
+        let trouble = match self.surface.get_current_texture() {
+            // A suboptimal one is shown all the same: the resize that made it so brings a new configuration.
+            Current::Success(texture) | Current::Suboptimal(texture) => return Ok(Some(texture)),
+            trouble => trouble,
+        };
+        match remedy(&trouble) {
+            Remedy::Wait => return Ok(None),
+            Remedy::Configure => {}
+            Remedy::Renew => self.surface = new_surface(&self.instance, &self.window)?,
+            Remedy::AskDevice => self.stage.gpu.check()?,
         }
         self.configure();
         self.window.request_redraw();
@@ -116,12 +128,38 @@ impl Graphics {
 
     /// Fits the surface to the window; a window without size has no surface for now.
     fn configure(&mut self) {
+        let rate_mhz = self.window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
+        let rate_mhz = rate_mhz.filter(|rate| *rate > 0);
+        self.refresh = rate_mhz.map_or(USUAL_REFRESH, |rate| Duration::from_secs(1000) / rate);
         let size = self.window.inner_size();
         let limit = self.stage.max_side_px();
         (self.config.width, self.config.height) = (size.width.min(limit), size.height.min(limit));
         if self.config.width > 0 && self.config.height > 0 {
             self.surface.configure(&self.stage.gpu.device, &self.config);
         }
+    }
+}
+
+/// What to do where the surface has no texture to draw on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Remedy {
+    /// Nothing: later there will be one.
+    Wait,
+    /// Fit the surface to the window.
+    Configure,
+    /// Make a new surface, and fit that.
+    Renew,
+    /// The device knows what is wrong; if it does not, fit the surface.
+    AskDevice,
+}
+
+fn remedy(trouble: &wgpu::CurrentSurfaceTexture) -> Remedy {
+    use wgpu::CurrentSurfaceTexture as Current;
+    match trouble {
+        Current::Timeout | Current::Occluded => Remedy::Wait,
+        Current::Lost => Remedy::Renew,
+        Current::Validation => Remedy::AskDevice,
+        Current::Outdated | Current::Success(_) | Current::Suboptimal(_) => Remedy::Configure,
     }
 }
 
@@ -153,4 +191,24 @@ fn configuration(
     config.present_mode = wgpu::PresentMode::AutoVsync;
     config.desired_maximum_frame_latency = 1;
     Ok(config)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surface_without_a_texture_is_waited_for_fitted_or_made_anew() {
+        use wgpu::CurrentSurfaceTexture as Current;
+        let cases = [
+            (Current::Timeout, Remedy::Wait),
+            (Current::Occluded, Remedy::Wait),
+            (Current::Outdated, Remedy::Configure),
+            (Current::Lost, Remedy::Renew),
+            (Current::Validation, Remedy::AskDevice),
+        ];
+        for (trouble, expected) in cases {
+            assert_eq!(remedy(&trouble), expected);
+        }
+    }
 }

@@ -65,7 +65,9 @@ impl Look {
         self.closer.open(&snapshot.frame);
         if let Some(scene) = &snapshot.scene {
             self.typed_range = TypedRange::of_scene(&scene.description.recording);
-            self.closer.look_as(&scene.description.recording, &snapshot.frame);
+            // As `render` does: where the bodies are at the start, however far the scene has run by now.
+            let start = snapshot.recording.moments().first().map_or(&snapshot.frame, |moment| &moment.frame);
+            self.closer.look_as(&scene.description.recording, start);
         }
         self.wants_opening_camera = true;
     }
@@ -154,6 +156,24 @@ mod tests {
     fn frame_at(x_m: f32, z_m: f32) -> Frame {
         let positions_m = vec![[x_m, 0.0, z_m], [x_m + 1.0, 1.0, z_m + 1.0]];
         Frame { bodies: vec![BodyFrame { positions_m, ..Default::default() }], ..Default::default() }
+    }
+
+    #[test]
+    fn a_scene_is_cut_where_its_bodies_start() {
+        let mut scene = crate::scene::Scene::load("bounce", &[]).unwrap();
+        scene.description.recording.cut =
+            Some(crate::scene::description::CutPlane { across: glam::DVec3::X, at_m: None });
+        let mut recording = crate::viewer::recording::Recording::default();
+        recording.push(frame_at(0.0, 0.0).into(), 0);
+        let snapshot = Snapshot {
+            frame: frame_at(7.0, 0.0).into(),
+            recording: recording.into(),
+            scene: Some(scene.into()),
+            ..Default::default()
+        };
+        let mut look = Look::default();
+        look.open(&snapshot);
+        assert_eq!(look.closer.position_m, 0.5);
     }
 
     #[test]

@@ -90,7 +90,7 @@ impl OffScreenWindow {
         self.stage.gpu.wait(None)?;
         let took = self.assumed.unwrap_or_else(|| started.elapsed());
         self.clock += took;
-        self.stage.took(took, self.clock);
+        self.stage.took(&mut self.app, Some(took), self.clock);
         Ok(())
     }
 

@@ -43,6 +43,8 @@ pub struct Preferences {
     pub is_dark: bool,
     /// Edges of the elements.
     pub wireframe: bool,
+    /// Full detail in motion.
+    pub is_always_fine: bool,
     /// Whether the left panel is there.
     pub parameters: bool,
     /// Whether the right panel is there.
@@ -61,6 +63,7 @@ impl Default for Preferences {
             zoom: 1.0,
             is_dark: false,
             wireframe: false,
+            is_always_fine: false,
             parameters: true,
             inspector: true,
             parameters_width: SIDE_WIDTH,
@@ -95,6 +98,7 @@ impl Preferences {
     pub fn apply(&self, app: &mut App, context: &egui::Context) {
         app.look.is_dark = self.is_dark;
         app.look.wireframe = self.wireframe;
+        app.look.is_always_fine = self.is_always_fine;
         app.panels.parameters = self.parameters;
         app.panels.inspector = self.inspector;
         app.panels.parameters_width = self.parameters_width;
@@ -106,6 +110,7 @@ impl Preferences {
     pub fn take_in(&mut self, app: &App, context: &egui::Context) {
         self.is_dark = app.look.is_dark;
         self.wireframe = app.look.wireframe;
+        self.is_always_fine = app.look.is_always_fine;
         self.parameters = app.panels.parameters;
         self.inspector = app.panels.inspector;
         self.parameters_width = app.panels.parameters_width.round();
@@ -227,6 +232,7 @@ mod tests {
             zoom: 1.5,
             is_dark: true,
             wireframe: true,
+            is_always_fine: true,
             parameters: false,
             inspector: false,
             parameters_width: 300.0,

@@ -1,15 +1,17 @@
 //! Taking it home: pictures, animations, the scene, the fragments. All of it is done by a thread of its own, so that a slow disk never stops the window.
 
+use super::background;
 use super::closer::Seeing;
 use super::look::Look;
+use super::pacing::FRAME_S;
 use crate::export::gif::GifWriter;
 use crate::export::png::write_png;
 use crate::export::surface_mesh::{write_obj, write_ply};
 use crate::export::{ExportError, write_whole};
 use crate::frame::Frame;
-use crate::render::{Camera, Cut, Gpu, OffScreen, Picture, Range, View};
+use crate::render::{Camera, Cut, Gpu, OffScreen, Picture, View};
 use crate::scene::description::Recording;
-use crate::scene::{Scene, Shape};
+use crate::scene::{Scene, SceneDescription, Shape};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -127,9 +129,14 @@ impl Saver {
         let progress =
             Progress { done: done.clone(), wants_end: wants_end.clone(), studio: self.studio.clone() };
         let target = path.clone();
+        // All of it can wait for the window: drawing, which goes to many threads, and writing.
+        let workers =
+            background::workers("saving").map_err(|error| format!("nothing can be saved: {error}"))?;
         let work = move || {
+            background::stand_back();
+            let outcome = workers.install(|| save(&job, &target, &progress));
             // The window may be gone already.
-            let _ = sender.send(save(&job, &target, &progress));
+            let _ = sender.send(outcome);
         };
         std::thread::Builder::new()
             .name("saving".to_owned())
@@ -278,12 +285,27 @@ pub fn scene_text(
         format!("recording.color_by={}", look.color_by.name()),
     ];
     overrides.extend(closer_look(&scene.description.recording, look));
-    if seen_s > scene.description.duration_s {
-        overrides.push(format!("time.duration={seen_s:?}"));
+    let end_s = last_needed_s(&scene.description, seen_s, speed);
+    if end_s > scene.description.duration_s {
+        overrides.push(format!("time.duration={end_s:?}"));
     }
     overrides.extend(whole_paths(&scene));
     let scene = scene.with_overrides(&overrides).map_err(|error| error.to_string())?;
     Ok(scene.to_toml())
+}
+
+/// The time that a scene has to reach, s: that of the moment seen, and a little more where something was done in it, which
+/// would not come before the end.
+fn last_needed_s(scene: &SceneDescription, seen_s: f64, speed: f64) -> f64 {
+    let end_s = seen_s.max(scene.duration_s);
+    let entrances = scene.bodies.iter().filter_map(|body| body.enters_s);
+    let removals = scene.removals.iter().map(|removal| removal.at_s);
+    let contact_changes = scene.contact_changes.iter().map(|change| change.at_s);
+    let mut done_s = entrances.chain(removals).chain(contact_changes);
+    match done_s.any(|at_s| at_s == end_s && at_s <= seen_s) {
+        true => (end_s + FRAME_S * speed.min(1.0)).max(end_s.next_up()),
+        false => end_s,
+    }
 }
 
 /// The cut, the crosses and the range of the colours, where they are not what the scene says.
@@ -301,8 +323,12 @@ fn closer_look(recording: &Recording, look: &Look) -> Vec<String> {
         None if recording.cut.is_some() => overrides.push("recording.cut=none".to_owned()),
         None => {}
     }
-    match look.typed_range.range(look.color_by) {
-        Ok(Some(Range { low, high })) => overrides.push(format!("recording.color_range=[{low:?}, {high:?}]")),
+    let is_sound = look.typed_range.range(look.color_by).is_ok_and(|range| range.is_some());
+    match look.typed_range.ends(look.color_by) {
+        Ok(ends) if is_sound && ends == recording.color_range => {}
+        Ok(Some([low, high])) if is_sound => {
+            overrides.push(format!("recording.color_range=[{low:?}, {high:?}]"));
+        }
         _ if recording.color_range.is_some() => overrides.push("recording.color_range=found".to_owned()),
         _ => {}
     }
@@ -333,8 +359,8 @@ mod tests {
             look.camera.distance_m = 7.5;
             look.closer.toggle_cut(&Frame::default());
             (look.closer.position_m, look.closer.is_flipped, look.closer.with_crosses) = (0.125, true, true);
-            look.typed_range =
-                super::super::closer::TypedRange { is_on: true, low: "-2 kPa".into(), high: "3 MPa".into() };
+            let typed = &mut look.typed_range;
+            (typed.is_on, typed.low, typed.high) = (true, "-2 kPa".into(), "3 MPa".into());
             let late = "[[contact_changes]]\nat = 0.1\nfriction = 0.77\n\n";
             let text = scene_text(&scene, (late, 77.0), &look, 0.01).unwrap();
             let saved = Scene::from_text("saved", &text, scene.folder(), &[]).unwrap();
@@ -343,6 +369,12 @@ mod tests {
             assert_eq!(saved.description.duration_s, 77.0);
             assert_eq!(saved.setup.bodies, scene.setup.bodies);
             assert_eq!(saved.description.recording.color_by, look.color_by);
+            // What was done in the moment that is seen last comes before the end.
+            let late = "[[contact_changes]]\nat = 77.0\nfriction = 0.77\n\n";
+            let text = scene_text(&scene, (late, 77.0), &look, 0.01).unwrap();
+            let saved_late = Scene::from_text("saved", &text, scene.folder(), &[]).unwrap();
+            assert!((77.0..77.1).contains(&saved_late.description.duration_s));
+            assert_eq!(saved_late.warnings, scene.warnings);
             let camera = saved.description.cameras.iter().find(|camera| camera.name == "saved").unwrap();
             let framing = crate::render::Framing::default();
             let camera = super::super::scene_camera(camera, &framing, 1.5);

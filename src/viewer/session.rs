@@ -1,7 +1,9 @@
 //! What the simulation thread does, without the thread: commands in, steps, snapshots out.
 
+mod edit_tree;
 mod hand;
 mod looking;
+mod redo;
 mod scene_edits;
 mod timeline;
 
@@ -13,9 +15,11 @@ use super::snapshot::{Command, Notice, Snapshot};
 use crate::frame::Frame;
 use crate::scene::Scene;
 use crate::sim::{ContactChange, ContactParameters, SimError, StepReport, World};
+use edit_tree::{Done, EditTree};
 use hand::Hand;
+use redo::Redoing;
 use std::sync::Arc;
-use timeline::{Done, Edit, Keyframe, RedoPoint, UndoPoint, text_of};
+use timeline::Keyframe;
 
 /// Steps in a row that may leave time standing before the run counts as stuck.
 const STANDING_STEPS: u32 = 1000;
@@ -34,6 +38,8 @@ pub struct Session {
     run: Option<Run>,
     /// Contact set by the user, to be kept over resets.
     contact: Option<ContactParameters>,
+    /// What of it was there when the world was built.
+    contact_given: Option<ContactParameters>,
     speed: f64,
     /// Time up to which playing hurries, s: where the scene's recording starts.
     run_up_end_s: f64,
@@ -55,10 +61,9 @@ pub struct Session {
     /// Of so many recorded moments one comes with a world.
     keyframe_every: u32,
     moments_since_keyframe: u32,
-    /// What was changed in the running scene, in order.
-    edits: Vec<Edit>,
-    undo: Vec<UndoPoint>,
-    redo: Vec<RedoPoint>,
+    /// What was changed in the running scene.
+    edits: EditTree,
+    redoing: Option<Redoing>,
     /// The mouse, while it pulls at a body.
     hand: Option<Hand>,
     /// What earlier edits added to the scene's text that a reset kept.
@@ -85,6 +90,7 @@ impl Default for Session {
         Self {
             run: None,
             contact: None,
+            contact_given: None,
             speed: 1.0,
             run_up_end_s: 0.0,
             is_playing: false,
@@ -101,9 +107,8 @@ impl Default for Session {
             keyframes: Vec::new(),
             keyframe_every: timeline::FIRST_KEYFRAME_EVERY,
             moments_since_keyframe: 0,
-            edits: Vec::new(),
-            undo: Vec::new(),
-            redo: Vec::new(),
+            edits: EditTree::default(),
+            redoing: None,
             hand: None,
             kept_text: String::new(),
             inspected: None,
@@ -125,10 +130,13 @@ impl Default for Session {
 impl Session {
     /// Carries out a command.
     pub fn execute(&mut self, command: Command) {
+        if command.is_another_way_on() {
+            self.stop_redoing();
+        }
         match command {
             Command::Open { scene, overrides, play } => self.open(&scene, &overrides, play),
             Command::Close => self.close(),
-            Command::Play => self.set_playing(true),
+            Command::Play => self.play(),
             Command::Pause => self.set_playing(false),
             Command::Step => self.single_step(),
             Command::Reset { overrides, keep } => self.reset(&overrides, keep),
@@ -140,7 +148,8 @@ impl Session {
             Command::Drag(to_m) => self.drag(to_m),
             Command::LetGo => self.let_go(),
             Command::Undo => self.undo_last(),
-            Command::Redo => self.redo_last(),
+            Command::Redo => self.redo_next(),
+            Command::RedoOther => self.redo_other(),
             Command::PlayOnFrom { time_s, play } => self.play_on_from(time_s, play),
             Command::Inspect(element) => self.inspected = element,
             Command::SetMemoryLimit(bytes) => self.set_memory_limit(bytes),
@@ -170,6 +179,9 @@ impl Session {
     pub fn advance(&mut self, wall_s: f64, mut is_enough: impl FnMut() -> bool) -> bool {
         if self.run.is_none() || !self.is_playing {
             return true;
+        }
+        if self.redoing.is_some() {
+            return self.go_on_redoing(is_enough);
         }
         let mut time_s = self.time_s();
         let speed = self.speed_now();
@@ -202,21 +214,6 @@ impl Session {
         self.meter.mark(wall_s, time_s);
         if let Some(pace) = &mut self.pace {
             pace.pass(wall_s);
-        }
-        true
-    }
-
-    /// Simulates up to a time, recording moments on the way as on a machine that is always in time; the last one is that
-    /// of the first step that reaches it. `false` when the run cannot go on.
-    pub fn simulate_to(&mut self, until_s: f64) -> bool {
-        while !is_reached(self.time_s(), until_s) {
-            let moment_s = (self.time_s() + FRAME_S * self.speed_now()).min(until_s);
-            while !is_reached(self.time_s(), moment_s) {
-                if !self.take_step(moment_s) {
-                    return false;
-                }
-            }
-            self.note_moment();
         }
         true
     }
@@ -254,10 +251,12 @@ impl Session {
                 .and_then(|(run, (body, element))| Inspection::of(&run.world, body, element)),
             with_interior: self.with_interior,
             looked,
-            undo: self.undo.last().map(|point| point.what.clone()),
-            redo: self.redo.last().map(|point| point.what.clone()),
-            late_text: text_of(&self.edits, self.time_s(), false).into(),
-            can_repeat: !self.edits.is_empty() || !self.kept_text.is_empty(),
+            undo: self.edits.last_step().map(|(_, step)| step.what.clone()),
+            redo: self.edits.next().map(|edit| edit.what.clone()),
+            redo_other: self.edits.other().map(|edit| edit.what.clone()),
+            redoing: self.redoing_words(),
+            late_text: self.edits.text(self.time_s(), false).into(),
+            can_repeat: self.edits.len() > 0 || !self.kept_text.is_empty(),
             is_playing: self.is_playing,
             speed: self.speed,
             real_time_factor: self.meter.factor().filter(|_| self.is_playing),
@@ -270,6 +269,7 @@ impl Session {
     /// Stops the run for a reason; a reset makes it run again.
     pub fn fail(&mut self, reason: String) {
         self.run_error = Some(reason);
+        self.redoing = None;
         self.set_playing(false);
     }
 
@@ -308,7 +308,7 @@ impl Session {
         self.notice = None;
         self.thrown = 0;
         self.kept_text.clear();
-        self.start(scene.clone(), scene.clone(), world);
+        self.start(scene.clone(), scene.clone(), world, None);
         self.set_playing(play);
         if !scene.warnings.is_empty() {
             self.tell(scene.warnings.join("\n"));
@@ -328,7 +328,7 @@ impl Session {
         let Some(run) = &self.run else { return };
         let base = run.base.clone();
         let kept = match keep {
-            true => format!("{}{}", self.kept_text, text_of(&self.edits, run.world.time_s(), true)),
+            true => format!("{}{}", self.kept_text, self.edits.text(run.world.time_s(), true)),
             false => String::new(),
         };
         let built = with_kept(&base, overrides, &kept).and_then(|scene| {
@@ -341,18 +341,22 @@ impl Session {
                     self.thrown = 0;
                 }
                 self.kept_text = kept;
-                self.start(base, scene, world);
+                // Changes of contact that are kept come again by themselves.
+                let contact = self.contact.clone().filter(|_| !keep);
+                self.start(base, scene, world, contact);
             }
-            Err(reason) => return self.tell(format!("the scene could not be reset: {reason}")),
-        }
-        // Changes of contact that are kept come again by themselves.
-        if let Some(contact) = self.contact.clone().filter(|_| !keep) {
-            self.set_contact(contact);
+            Err(reason) => self.tell(format!("the scene could not be reset: {reason}")),
         }
     }
 
-    /// Begins at the start of a newly built world.
-    fn start(&mut self, base: Arc<Scene>, scene: Arc<Scene>, world: World) {
+    /// Begins at the start of a newly built world, with the contact that the user had chosen before.
+    fn start(
+        &mut self,
+        base: Arc<Scene>,
+        scene: Arc<Scene>,
+        world: World,
+        contact: Option<ContactParameters>,
+    ) {
         self.built += 1;
         self.run_error = None;
         self.history = Arc::default();
@@ -363,7 +367,17 @@ impl Session {
         self.restart_clock();
         let body_names = names_of(&world);
         self.run = Some(Run { base, scene, world, body_names });
+        contact.into_iter().for_each(|contact| self.set_contact(contact));
+        self.edits.give();
+        self.contact_given = self.contact.clone();
         self.note_moment();
+    }
+
+    fn play(&mut self) {
+        match &mut self.redoing {
+            Some(redoing) => redoing.then_plays = true,
+            None => self.set_playing(true),
+        }
     }
 
     fn set_playing(&mut self, is_playing: bool) {
@@ -385,22 +399,14 @@ impl Session {
     }
 
     fn set_contact(&mut self, contact: ContactParameters) {
-        let Some(run) = &mut self.run else { return };
+        let Some(run) = &self.run else { return };
         let ground = run.scene.description.ground.as_ref().map(|_| GROUND_BODY);
         let then = &run.world.setup().contact;
         let change = ContactChange::between(then, &contact, &run.body_names, ground);
         if change.is_empty() {
             return;
         }
-        let done = Done::Contact(change);
-        match run.make(&done) {
-            Ok(()) => {
-                self.redo.clear();
-                self.edits.push(Edit { time_s: run.world.time_s(), done });
-                self.contact = Some(run.world.setup().contact.clone());
-            }
-            Err(error) => self.tell(format!("contact stays as it is: {error}")),
-        }
+        self.edit(Done::Contact(change), "contact changed".to_owned());
     }
 
     fn single_step(&mut self) {

@@ -18,6 +18,8 @@ const ROUGH: [Deed; 6] = [
     Deed::LoseDevice,
     Deed::LoseDevice,
 ];
+/// How long a new size is waited for: some window managers do as they like.
+const LONGEST_RESIZE: Duration = Duration::from_secs(5);
 /// Layouts after which a hidden window is shown again.
 const HIDDEN_LAYOUTS: u32 = 5;
 
@@ -42,6 +44,8 @@ pub struct SmokeRun {
     started: Instant,
     times: FrameTimes,
     hidden_for: Option<u32>,
+    /// The size that was asked for, until it comes, and when that was. Frames do not count meanwhile.
+    awaited: Option<((u32, u32), Instant)>,
     recoveries: u32,
 }
 
@@ -59,6 +63,7 @@ impl SmokeRun {
             started: Instant::now(),
             times: FrameTimes::default(),
             hidden_for: None,
+            awaited: None,
             recoveries: 0,
         }
     }
@@ -79,6 +84,13 @@ impl SmokeRun {
         let size = window.inner_size();
         self.sizes.insert((size.width, size.height));
         self.simulated_s = self.simulated_s.max(snapshot.frame.time_s);
+        let is_there = |(wanted, asked): ((u32, u32), Instant)| {
+            wanted == (size.width, size.height) || asked.elapsed() > LONGEST_RESIZE
+        };
+        if !self.awaited.is_none_or(is_there) {
+            return false;
+        }
+        self.awaited = None;
         self.shown += 1;
         let share = self.frames / (self.deeds.len() as u64 + 1);
         if !self.shown.is_multiple_of(share) {
@@ -89,6 +101,7 @@ impl SmokeRun {
             // The new size comes with a later event.
             Some(Deed::Resize(width, height)) => {
                 let _ = window.request_inner_size(PhysicalSize::new(*width, *height));
+                self.awaited = Some(((*width, *height), Instant::now()));
             }
             Some(Deed::Hide) => {
                 self.hidden_for = Some(0);

@@ -60,10 +60,12 @@ pub enum Command {
     Drag(DVec3),
     /// Lets go what is pulled.
     LetGo,
-    /// Takes the last throw, removal or pull back: the scene stands again where it was done.
+    /// Takes back what was done last: the scene stands again where it was done.
     Undo,
-    /// Does again what was taken back last.
+    /// Does again what was taken back or dropped last, at its time.
     Redo,
+    /// Does again what had been done at this place before that.
+    RedoOther,
     /// Goes back to the recorded moment at this time, s; what came after is forgotten when time runs on.
     PlayOnFrom {
         /// s.
@@ -79,6 +81,25 @@ pub enum Command {
     SetInterior(bool),
     /// Looks into the recorded moment at this time, s, or into none.
     LookInto(Option<f64>),
+}
+
+impl Command {
+    /// Whether it goes another way than to what is about to be done again.
+    #[must_use]
+    pub fn is_another_way_on(&self) -> bool {
+        !matches!(
+            self,
+            Self::Redo
+                | Self::Play
+                | Self::SetSpeed(_)
+                | Self::Drag(_)
+                | Self::LetGo
+                | Self::Inspect(_)
+                | Self::SetMemoryLimit(_)
+                | Self::SetInterior(_)
+                | Self::LookInto(_)
+        )
+    }
 }
 
 /// Something the user has to be told.
@@ -136,6 +157,10 @@ pub struct Snapshot {
     pub undo: Option<String>,
     /// What redo would do again.
     pub redo: Option<String>,
+    /// What had been done there before that.
+    pub redo_other: Option<String>,
+    /// What is done again when time gets there, while it plays on to it.
+    pub redoing: Option<String>,
     /// What changes of contact and pulls add to the scene's text.
     pub late_text: Arc<str>,
     /// Whether something was done on the way that a reset could keep.

@@ -63,6 +63,8 @@ pub struct Stage {
     /// How finely moving pictures are drawn; without it, as finely as still ones.
     pub steering: Option<Steering>,
     drawn: Drawn,
+    /// Number of the scene that was drawn last.
+    opened: u64,
     /// All that is on the window, where it can be copied to it, so that only what changes is painted.
     canvas: Option<wgpu::Texture>,
     painted: Option<Layout>,
@@ -88,6 +90,7 @@ impl Stage {
             told: None,
             steering: None,
             drawn: Drawn::Nothing,
+            opened: 0,
             canvas: None,
             painted: None,
             has_new_picture: false,
@@ -129,11 +132,16 @@ impl Stage {
         Ok(if self.draw_thumbnail(app)? { Some(Duration::ZERO) } else { more })
     }
 
-    /// A frame took so long, from its events to its last pixel, and ended now.
-    pub fn took(&mut self, time: Duration, now: Duration) {
+    /// A frame ended now and took so long, from its events to its last pixel; `None` for one that nobody saw. Returns
+    /// whether the next layout has to tell of another detail.
+    pub fn took(&mut self, app: &mut App, time: Option<Duration>, now: Duration) -> bool {
         if let (Drawn::InMotion(is_new), Some(steering)) = (self.drawn, &mut self.steering) {
-            steering.took(time, now, is_new);
+            // The picture stands still from here on: a slow one began long ago.
+            steering.moved(now);
+            time.into_iter().for_each(|time| steering.took(time, now, is_new));
         }
+        let detail = self.steering.as_ref().filter(|_| !app.look.is_always_fine).and_then(Steering::name);
+        std::mem::replace(&mut app.detail, detail) != detail
     }
 
     /// Draws the scene if it looks different from what its picture shows, or can be drawn more finely by now; returns
@@ -149,10 +157,12 @@ impl Stage {
         let size_px = request.size_px.map(|side| side.min(size_limit));
         let mut picture = self.fitting_picture(size_px);
         let wanted = (request.frame.clone(), request.camera, request.view);
+        let is_other = picture.shows.is_none() || self.opened != app.snapshot.opened;
+        self.steering.iter_mut().filter(|_| is_other).for_each(Steering::begin_anew);
+        self.opened = app.snapshot.opened;
         let steering = self.steering.as_mut().filter(|_| !app.look.is_always_fine);
         let is_playing = app.snapshot.is_playing || app.player.is_playing();
         let plan = plan(&picture, wanted, steering, (now, is_playing));
-        app.detail = self.steering.as_ref().filter(|_| !app.look.is_always_fine).and_then(Steering::name);
         // The panels paint it only where it cannot be copied.
         app.picture = (!self.can_copy).then_some(picture.id);
         let mut done = Ok(plan.more);

@@ -18,6 +18,8 @@ const SLOW_FRAMES: u32 = 2;
 const PATIENCE: u32 = 40;
 /// ... and at most: a level that turned out too slow is tried again ever less often.
 const LONGEST_PATIENCE: u32 = 2560;
+/// Frames that a level has to hold after a rise until what was too slow before is forgotten.
+const HELD: u32 = 4 * PATIENCE;
 /// How long the picture has to stand still before it is drawn finely, which may take a while ...
 const REST: Duration = Duration::from_millis(250);
 /// ... and how long while time runs, so that the next moment is about to come.
@@ -38,7 +40,7 @@ pub struct Steering {
     slow: u32,
     quick: u32,
     patience: u32,
-    /// Frames since the level rose.
+    /// Frames since the level rose, while it holds.
     since_rise: u32,
     moved_at: Duration,
     /// Before this, no new moment is drawn.
@@ -77,6 +79,11 @@ impl Steering {
         self.moved_at = now;
     }
 
+    /// What is drawn now says nothing about what was too slow before: another scene, another size.
+    pub fn begin_anew(&mut self) {
+        self.patience = PATIENCE;
+    }
+
     /// How long everything has to stand still yet before it is drawn finely; `None` when it has stood so long.
     #[must_use]
     pub fn until_rest(&self, now: Duration, is_playing: bool) -> Option<Duration> {
@@ -99,12 +106,16 @@ impl Steering {
             self.next_moment_at = now + pause;
         }
         self.since_rise = self.since_rise.saturating_add(1);
+        if self.since_rise == HELD {
+            self.patience = PATIENCE;
+        }
         self.slow = if time > SLOW { self.slow + 1 } else { 0 };
         self.quick = if time < QUICK { self.quick + 1 } else { 0 };
         if self.slow >= SLOW_FRAMES && self.level + 1 < LEVELS.len() {
             if self.since_rise < PATIENCE {
                 self.patience = (2 * self.patience).min(LONGEST_PATIENCE);
             }
+            self.since_rise = u32::MAX;
             self.go_to(self.level + 1);
         } else if self.quick >= self.patience && self.level > 0 {
             self.go_to(self.level - 1);
@@ -117,6 +128,13 @@ impl Steering {
         self.slow = 0;
         self.quick = 0;
     }
+}
+
+/// The part of a frame's time that is work: not the wait for the screen's next refresh. What a frame waits longer than
+/// `refresh` it waits for the device, which is busy with the one before.
+#[must_use]
+pub fn without_wait(time: Duration, waited: Duration, refresh: Duration) -> Duration {
+    time.saturating_sub(waited.min(refresh))
 }
 
 #[cfg(test)]
@@ -174,6 +192,32 @@ mod tests {
         let mut steering = Steering::default();
         run(&mut steering, 20, |_| 90 * MS);
         assert_eq!(run(&mut steering, 4 * PATIENCE, |_| 5 * MS).last(), Some(&0));
+    }
+
+    #[test]
+    fn a_level_that_holds_or_another_scene_make_what_was_too_slow_worth_a_try() {
+        let slow_once_fine = |quality: Quality| if quality.is_draft { 10 * MS } else { 90 * MS };
+        let impatient = || {
+            let mut steering = Steering::default();
+            run(&mut steering, 2000, slow_once_fine);
+            assert!(steering.patience > 8 * PATIENCE);
+            steering
+        };
+        let mut other_scene = impatient();
+        other_scene.begin_anew();
+        let levels = run(&mut other_scene, PATIENCE + 1, |_| 10 * MS);
+        assert_eq!(levels.last(), Some(&0));
+        let mut held = impatient();
+        run(&mut held, LONGEST_PATIENCE + HELD, |_| 10 * MS);
+        run(&mut held, 2, |_| 90 * MS);
+        assert_eq!(run(&mut held, PATIENCE, |_| 10 * MS).last(), Some(&0));
+    }
+
+    #[test]
+    fn waiting_for_the_screen_is_no_work_and_for_the_device_is() {
+        assert_eq!(without_wait(43 * MS, 40 * MS, 42 * MS), 3 * MS);
+        assert_eq!(without_wait(60 * MS, 57 * MS, 16 * MS), 44 * MS);
+        assert_eq!(without_wait(5 * MS, 9 * MS, 16 * MS), Duration::ZERO);
     }
 
     #[test]

@@ -196,21 +196,32 @@ fn play_on_from_an_earlier_moment_and_take_a_throw_back() {
 }
 
 /// Drags with a key held, in so many frames.
-fn drag_held(window: &mut Window, [from, to]: [Pos2; 2], modifiers: Modifiers, frames: u32) {
-    let button =
-        |pos, pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers };
+fn drag_held(window: &mut Window, path: [Pos2; 2], modifiers: Modifiers, frames: u32) {
+    hold(window, path, modifiers, frames);
+    release(window, path[1], modifiers);
+}
+
+/// Drags in so many frames, and does not let go.
+fn hold(window: &mut Window, [from, to]: [Pos2; 2], modifiers: Modifiers, frames: u32) {
     window.event(Event::ModifiersChanged(modifiers));
     window.event(Event::PointerMoved(from));
-    window.event(button(from, true));
+    window.event(primary_button(from, true, modifiers));
     window.step();
     for frame in 1..=frames {
         window.event(Event::PointerMoved(from + (to - from) * (frame as f32 / frames as f32)));
         window.step();
         std::thread::sleep(Duration::from_millis(10));
     }
-    window.event(button(to, false));
+}
+
+fn release(window: &mut Window, at: Pos2, modifiers: Modifiers) {
+    window.event(primary_button(at, false, modifiers));
     window.event(Event::ModifiersChanged(Modifiers::NONE));
     window.step();
+}
+
+fn primary_button(pos: Pos2, pressed: bool, modifiers: Modifiers) -> Event {
+    Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers }
 }
 
 #[test]
@@ -298,6 +309,17 @@ fn a_formula_is_told_where_it_is_wrong_while_it_is_typed() {
     press(&mut window, "Reset to apply the changes  (R)");
     let scene = window.state().snapshot.scene.clone().unwrap();
     assert!(scene.description.materials.iter().any(|material| material.fracture.is_some()));
+}
+
+#[test]
+fn a_cut_stays_where_the_scene_says_even_far_from_all_bodies() {
+    let mut window = window();
+    let cut = "recording.cut={ across = [0, 0, -1], at = -9 }".to_owned();
+    window.state_mut().open("bounce", &[cut]);
+    wait(&mut window, "the scene", |app| app.snapshot.scene.is_some() && app.viewport.is_some());
+    settle(&mut window);
+    let closer = window.state().look.closer;
+    assert_eq!((closer.position_m, closer.cut().unwrap().position_m), (9.0, -9.0));
 }
 
 #[test]
@@ -406,6 +428,25 @@ fn escape_ends_throwing_and_what_was_said_goes_away() {
     window.key_press(egui::Key::Escape);
     settle(&mut window);
     assert!(!window.state().aim.is_armed);
+
+    // In the middle of a throw: the button does nothing more until it is released, and then turns the camera again.
+    window.key_press(egui::Key::T);
+    settle(&mut window);
+    let area = window.state().viewport.unwrap();
+    let camera = |window: &Window| window.state().look.camera;
+    let (before, bodies) = (camera(&window), window.state().snapshot.frame.bodies.len());
+    hold(&mut window, [area.min + 0.3 * area.size(), area.center()], Modifiers::NONE, 4);
+    window.key_press(egui::Key::T);
+    window.step();
+    assert!(!window.state().aim.is_armed);
+    window.event(Event::PointerMoved(area.center() + egui::vec2(60.0, 20.0)));
+    settle(&mut window);
+    assert_eq!(camera(&window), before);
+    release(&mut window, area.center(), Modifiers::NONE);
+    settle(&mut window);
+    assert_eq!(window.state().snapshot.frame.bodies.len(), bodies);
+    drag(&mut window, area.center(), area.center() + egui::vec2(60.0, 20.0));
+    assert_ne!(camera(&window), before);
 
     // What was taken back is said for some seconds; what went wrong stays.
     press(&mut window, "Ball");

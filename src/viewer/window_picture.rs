@@ -137,6 +137,8 @@ fn lay_out(window: &mut OffScreenWindow) -> Result<(), GpuError> {
 fn choose_look(app: &mut App, shot: &WindowShot) {
     let frame = app.shown().clone();
     if let Some(color_by) = shot.color_by {
+        // The scene's range is meant for its own field.
+        app.look.typed_range.is_on &= app.look.color_by == color_by;
         app.look.color_by = color_by;
         app.look.forget_range();
         app.look.take_in(&frame);

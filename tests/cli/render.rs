@@ -33,6 +33,8 @@ fn a_missing_folder_of_a_single_file_is_told_before_anything_runs() {
 fn a_cut_that_meets_nothing_is_warned_about() {
     let place = Place::new();
     let said = |cut: &str| stderr(&place.run(&format!("render cubes.toml -o cut.png --at 10ms --cut {cut}")));
+    let own = place.run("render cubes.toml -o cut.png --at 10ms --set recording.cut={across=[1,0,0],at=77}");
+    assert!(stderr(&own).contains("warning: `recording.cut` goes through no body that moves"));
     assert!(said("x=77").contains("warning: `--cut` goes through no body that moves: the plane is at 77 m"));
     assert!(!said("x").contains("warning"));
 }

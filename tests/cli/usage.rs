@@ -144,6 +144,8 @@ fn a_state_of_the_window_without_its_equals_sign_is_understood() {
     let told = place.fail("render cubes.toml -o a.png --panels element", 2);
     assert!(told.contains("--panels=element"), "{told}");
     assert!(!place.fail("render cubes.toml -o a.png elephant", 2).contains("--panels"));
+    assert!(!place.fail("run cubes.toml -o out help", 2).contains("--panels="));
+    assert!(!place.fail("render cubes.toml -o a.png element", 2).contains("--panels="));
 }
 
 #[test]

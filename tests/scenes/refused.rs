@@ -325,3 +325,26 @@ color_range = [2, 1]
         ],
     );
 }
+
+#[test]
+fn what_is_recorded_beyond_single_precision_is_refused_and_no_sound_key_is_blamed() {
+    let scene = |recording: &str| {
+        let block = "title = \"t\"\nmaterials.block.density = 1000\nmaterials.block.youngs_modulus = 1e6\n\
+                     materials.block.poisson_ratio = 0.3\n[[bodies]]\nname = \"a\"\nmaterial = \"block\"\n\
+                     shape = { type = \"box\", size = [1, 1, 1], cells = 1 }\n[time]\nduration = 1\n[recording]\n";
+        format!("{block}{recording}\n")
+    };
+    for (recording, problem) in [
+        ("cut = { across = [0, 0, 0], at = 0.1 }", "12: `recording.cut.across` must have a direction"),
+        ("cut = { across = [0, 1], at = 0.1 }", "12: `recording.cut.across` must"),
+        ("cut = { across = [1e300, 0, 0] }", "12: `recording.cut.across` names no direction"),
+        (
+            "cut = { across = [1, 0, 0], at = 1e39 }",
+            "12: `recording.cut.at` (m) must be at least -1e38 and at most 1e38",
+        ),
+        ("color_range = [-1e39, 1]", "12: `recording.color_range` must be at least -1e38 and at most 1e38"),
+        ("color_range = [1.0, 1.000000001]", "12: the ends of `recording.color_range` must be further apart"),
+    ] {
+        assert_problems(&scene(recording), &[], &[problem]);
+    }
+}

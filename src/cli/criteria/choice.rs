@@ -100,6 +100,11 @@ fn of_text(text: &str, added: &str) -> Result<Criterion, Failure> {
     let table = match text.strip_suffix('}').filter(|_| text.starts_with('{')) {
         Some(_) if added.is_empty() => text.to_owned(),
         Some(open) => format!("{open}, {} }}", values_of_words("", added)?.join(", ")),
+        None if text.starts_with('{') => {
+            return Err(Failure::BadInput(format!(
+                "--criterion \"{text}\": the table is not closed, a `}}` is missing at its end"
+            )));
+        }
         None => table_of_words(text, added)?,
     };
     parse_criterion("--criterion", &table).map_err(|error| refused(text, &error))
@@ -280,6 +285,7 @@ mod tests {
         assert_ne!(words, of_text("tresca", "shear_strength=6MPa").unwrap());
         for (text, part) in [
             ("tresca shear_strength=0", "shear_strength"),
+            ("{ criterion = \"tresca\"", "a `}` is missing at its end"),
             ("tresca much", "`much` has no name; write NAME=VALUE"),
             ("tresca 1e6 2e6", "`2e6` has no name"),
             ("tresca shear_strength=lots", "valid TOML"),

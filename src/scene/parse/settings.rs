@@ -6,6 +6,7 @@ use super::super::reader::{Kind, Table};
 use super::{check_name, read_friction};
 use crate::frame::ColorBy;
 use crate::sim::{ContactMethod, ContactParameters, TimeParameters};
+use glam::DVec3;
 
 pub(super) fn read_contact(mut table: Table) -> Contact {
     let defaults = ContactParameters::default();
@@ -100,7 +101,7 @@ pub(super) fn read_recording(mut table: Table, duration_s: f64) -> Recording {
     let fps = Quantity::positive("1/s").up_to(1000.0);
     let seconds = Quantity::not_negative("s");
     let history_every = table.number("history_every", seconds);
-    let slow_motion = table.number("slow_motion", Quantity::positive(""));
+    let slow_motion = table.number("slow_motion", Quantity::positive("").up_to(1e9));
     let size = table.numbers("size", 2, 2, Quantity::positive("pixels").up_to(8192.0));
     let color_range = read_color_range(&mut table);
     let cut = read_cut(&mut table);
@@ -124,10 +125,13 @@ fn read_color_range(table: &mut Table) -> Option<[f64; 2]> {
     if table.kind_of("color_range")? == Kind::Text {
         return table.choice("color_range", &[("found", None)])?;
     }
-    let [low, high] = table.numbers("color_range", 2, 2, Quantity::any(""))?[..] else { return None };
+    let [low, high] = table.numbers("color_range", 2, 2, Quantity::drawable(""))?[..] else { return None };
+    let name = table.name_of("color_range");
     if low >= high {
-        let name = table.name_of("color_range");
         table.problem("color_range", format!("the first of `{name}` must be below the second"));
+    } else if low as f32 >= high as f32 {
+        let message = format!("the ends of `{name}` must be further apart: colours have seven digits");
+        table.problem("color_range", message);
     }
     Some([low, high])
 }
@@ -138,11 +142,16 @@ fn read_cut(table: &mut Table) -> Option<CutPlane> {
     }
     let mut cut = table.table("cut")?;
     cut.require("across", "the direction in which bodies are left out, as in `across = [0, 1, 0]`");
-    let across = cut.vector("across", "")?;
-    if across.try_normalize().is_none() {
-        let message = format!("`{}` must have a direction; three zeros have none", cut.name_of("across"));
+    // Both are read before either is judged: what was asked for is no unknown key.
+    let (across, at_m) = (cut.vector("across", ""), cut.number("at", Quantity::drawable("m")));
+    let plane = CutPlane { across: across?, at_m };
+    if plane.normal().is_none() {
+        let message = match plane.across == DVec3::ZERO {
+            true => format!("`{}` must have a direction; three zeros have none", cut.name_of("across")),
+            false => format!("`{}` names no direction: its numbers are too large", cut.name_of("across")),
+        };
         cut.problem("across", message);
         return None;
     }
-    Some(CutPlane { across, at_m: cut.number("at", Quantity::any("m")) })
+    Some(plane)
 }

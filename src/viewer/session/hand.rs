@@ -3,7 +3,7 @@
 //! The path of the mouse is written down with the times of the simulation, each point before it is needed and never
 //! changed afterwards. So the same path, read from a saved scene, gives the same bytes.
 
-use super::timeline::Done;
+use super::edit_tree::Done;
 use super::{Run, Session};
 use crate::sim::{PathPoint, Pull};
 use glam::DVec3;
@@ -58,7 +58,7 @@ impl Session {
     pub(super) fn lead_hand(&mut self) {
         let reach_s = REACH_S * self.speed_now();
         let (Some(hand), Some(Run { world, .. })) = (&self.hand, &mut self.run) else { return };
-        let Some(pull) = self.edits.get_mut(hand.edit).and_then(|edit| edit.pull()) else { return };
+        let Some(pull) = self.edits.pull_mut(hand.edit) else { return };
         let (now_s, Some(last)) = (world.time_s(), pull.path.last().copied()) else { return };
         let next_s = now_s + reach_s;
         let is_waiting = now_s < last.time_s || next_s <= now_s;
@@ -76,12 +76,14 @@ impl Session {
     pub(super) fn let_go(&mut self) {
         let (Some(hand), Some(run)) = (self.hand.take(), &mut self.run) else { return };
         let now_s = run.world.time_s();
-        let Some(pull) = self.edits.get_mut(hand.edit).and_then(|edit| edit.pull()) else { return };
+        let Some(pull) = self.edits.pull_mut(hand.edit) else { return };
         pull.until_s = now_s;
         run.world.renew_pull(pull);
         if now_s <= pull.begins_s() {
             // Not even woken.
-            self.go_back(now_s, hand.edit);
+            if self.go_back(now_s, hand.edit) {
+                self.edits.forget_next();
+            }
         }
     }
 }

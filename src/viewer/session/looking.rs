@@ -17,6 +17,13 @@ pub(super) struct LookedRun {
     frame: Option<Arc<Frame>>,
 }
 
+impl LookedRun {
+    /// Whether it is of what was before this time and so many edits.
+    pub fn is_before(&self, time_s: f64, edits: usize) -> bool {
+        self.time_s <= time_s && self.edits <= edits
+    }
+}
+
 impl Session {
     /// Whether frames hold what is inside the bodies.
     pub(super) fn set_interior(&mut self, is_wanted: bool) {

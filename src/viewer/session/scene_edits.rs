@@ -2,7 +2,7 @@
 
 use super::super::recording::{Mark, MarkKind};
 use super::super::thrown::{Throw, scene_with_throw};
-use super::timeline::{Done, Edit, UndoPoint};
+use super::edit_tree::{Done, Edit};
 use super::{Run, Session, names_of};
 use crate::sim::SimError;
 use std::sync::Arc;
@@ -41,24 +41,57 @@ impl Session {
         }
     }
 
-    /// Makes an edit and remembers how to take it back.
+    /// Makes an edit, which can be taken back.
     pub(super) fn edit(&mut self, done: Done, what: String) -> bool {
         self.let_go();
-        // Taking it back must not cost a long way.
-        self.keep_world();
-        let Some(run) = &mut self.run else { return false };
-        let (time_s, edits) = (run.world.time_s(), self.edits.len());
-        if let Err(error) = run.make(&done) {
-            self.tell(format!("the scene stays as it is: {error}"));
-            return false;
+        let edit = Edit { time_s: self.time_s(), done, what };
+        let is_made = self.make(&edit);
+        if is_made {
+            self.edits.push(edit.clone());
+            self.mark_edit(edit);
         }
-        let mut later = std::mem::take(&mut self.redo);
-        later.retain(|point| point.edit.time_s >= time_s);
-        self.undo.push(UndoPoint { what: what.clone(), time_s, edits, later });
-        self.edits.push(Edit { time_s, done });
+        is_made
+    }
+
+    /// Makes what redo has to make, at the time that it is.
+    pub(super) fn make_next(&mut self) -> bool {
+        let Some(edit) = self.edits.next().cloned() else { return false };
+        let is_made = self.make(&edit);
+        if is_made {
+            self.edits.go_on();
+            self.thrown += usize::from(matches!(edit.done, Done::Enter(..)));
+            self.mark_edit(edit);
+        }
+        is_made
+    }
+
+    fn make(&mut self, edit: &Edit) -> bool {
+        if self.edits.would_begin_step(edit) && self.run_error.is_none() {
+            // Taking it back must not cost a long way. A world that failed is nothing to go back to.
+            self.keep_world();
+        }
+        let Some(run) = &mut self.run else { return false };
+        match run.make(&edit.done) {
+            Ok(()) => {
+                if let Done::Contact(_) = edit.done {
+                    self.contact = Some(run.world.setup().contact.clone());
+                }
+                true
+            }
+            Err(error) => {
+                self.tell(format!("the scene stays as it is: {error}"));
+                false
+            }
+        }
+    }
+
+    fn mark_edit(&mut self, edit: Edit) {
+        if matches!(edit.done, Done::Contact(_)) {
+            return;
+        }
+        let Edit { time_s, what, .. } = edit;
         let mark = Mark { time_s, kind: MarkKind::Edit, text: what, edits: self.edits.len() };
         Arc::make_mut(&mut self.recording).mark(mark);
-        true
     }
 }
 
@@ -73,7 +106,7 @@ impl Run {
                 self.scene = scene.clone();
             }
             Done::Leave(scene, body, _) => {
-                self.world.remove_body(*body);
+                self.world.remove_body(*body)?;
                 self.scene = scene.clone();
             }
             Done::Pull(pull) => self.world.pull(pull)?,

@@ -4,11 +4,10 @@
 //! it, with the edits that came in between: steps end where they end, whoever looks, so this gives the same bytes.
 
 use super::super::recording::{Mark, MarkKind, Recording};
+use super::edit_tree::{Done, Edit, EditTree};
 use super::{Run, Session};
 use crate::render::with_unit;
-use crate::scene::Scene;
-use crate::scene::{contact_change_text, pull_text};
-use crate::sim::{ContactChange, Entrance, Pull, SimError, World};
+use crate::sim::{SimError, World};
 use std::sync::Arc;
 
 /// Of so many moments one comes with a world at first.
@@ -27,92 +26,6 @@ pub(super) struct Keyframe {
 impl Keyframe {
     pub fn time_s(&self) -> f64 {
         self.time_s
-    }
-}
-
-/// What was done to the running scene.
-#[derive(Clone)]
-pub(super) enum Done {
-    Contact(ContactChange),
-    /// The scene with the newcomer, that body, and what was added to the scene's text.
-    Enter(Arc<Scene>, Arc<Entrance>, String),
-    /// The scene without the body, its number, and what was added to the scene's text.
-    Leave(Arc<Scene>, usize, String),
-    /// Grows while the mouse holds the body.
-    Pull(Pull),
-}
-
-/// An edit and its time.
-#[derive(Clone)]
-pub(super) struct Edit {
-    pub time_s: f64,
-    pub done: Done,
-}
-
-impl Edit {
-    pub fn pull(&mut self) -> Option<&mut Pull> {
-        if let Done::Pull(pull) = &mut self.done { Some(pull) } else { None }
-    }
-}
-
-/// What edits add to the text of a scene; those `in_scene` add what has come into the scene of the run already.
-pub(super) fn text_of(edits: &[Edit], now_s: f64, in_scene: bool) -> String {
-    let mut text = String::new();
-    let mut add = |more: &str| {
-        text.push_str(more);
-        text.push('\n');
-    };
-    let mut contact: Option<(f64, ContactChange)> = None;
-    for edit in edits {
-        match &edit.done {
-            Done::Contact(change) => match &mut contact {
-                Some((time_s, known)) if *time_s == edit.time_s => known.merge(change.clone()),
-                _ => {
-                    let before = contact.replace((edit.time_s, change.clone()));
-                    before
-                        .into_iter()
-                        .for_each(|(time_s, change)| add(&contact_change_text(&change, time_s)));
-                }
-            },
-            Done::Enter(_, _, own) | Done::Leave(_, _, own) if in_scene => add(own),
-            Done::Pull(pull) if now_s > pull.begins_s() => {
-                // One that still pulls is seen up to now.
-                add(&pull_text(&Pull { until_s: pull.until_s.min(now_s), ..pull.clone() }));
-            }
-            Done::Enter(..) | Done::Leave(..) | Done::Pull(_) => {}
-        }
-    }
-    contact.into_iter().for_each(|(time_s, change)| add(&contact_change_text(&change, time_s)));
-    text
-}
-
-/// Where an edit can be taken back to.
-pub(super) struct UndoPoint {
-    /// What was done, in words.
-    pub what: String,
-    pub time_s: f64,
-    /// Edits before it.
-    pub edits: usize,
-    /// What could be done again when it was done, and comes later: it can again once this is taken back.
-    pub later: Vec<RedoPoint>,
-}
-
-/// An edit that was taken back and can be made again.
-pub(super) struct RedoPoint {
-    /// What was done, in words.
-    pub what: String,
-    pub edit: Edit,
-}
-
-impl Edit {
-    /// What was done, in words, for what has no point to go back to.
-    fn words(&self) -> String {
-        match &self.done {
-            Done::Contact(_) => "contact changed".to_owned(),
-            Done::Enter(_, entrance, _) => format!("{} thrown in", entrance.body.name),
-            Done::Leave(..) => "a body taken out".to_owned(),
-            Done::Pull(pull) => format!("{} pulled", pull.body),
-        }
     }
 }
 
@@ -183,9 +96,8 @@ impl Session {
         self.keyframes.clear();
         self.keyframe_every = FIRST_KEYFRAME_EVERY;
         self.moments_since_keyframe = 0;
-        self.edits.clear();
-        self.undo.clear();
-        self.redo.clear();
+        self.edits = EditTree::default();
+        self.redoing = None;
         self.hand = None;
         self.frame_of = None;
         self.looked = None;
@@ -222,64 +134,16 @@ impl Session {
     pub(super) fn play_on_from(&mut self, time_s: f64, play: bool) {
         let Some((time_s, edits)) = self.recording.at(time_s).map(|m| (m.time_s, m.edits)) else { return };
         self.let_go();
-        let dropped = self.edits_after(edits);
-        if self.go_back(time_s, edits) {
-            // The first of them is done again first.
-            self.redo = dropped.into_iter().rev().collect();
-            if !self.redo.is_empty() {
-                self.mention(dropped_text(time_s, &self.redo, play));
-            }
+        let told = dropped_text(time_s, &self.edits.steps_after(edits), play);
+        if self.go_back(time_s, edits)
+            && let Some(told) = told
+        {
+            self.mention(told);
         }
         self.set_playing(play);
     }
 
-    /// What was done after so many edits, to be done again.
-    fn edits_after(&self, edits: usize) -> Vec<RedoPoint> {
-        let point = |(index, edit): (usize, &Edit)| {
-            let known = self.undo.iter().find(|point| point.edits == index);
-            let what = known.map_or_else(|| edit.words(), |point| point.what.clone());
-            RedoPoint { what, edit: edit.clone() }
-        };
-        self.edits.iter().enumerate().skip(edits).map(point).collect()
-    }
-
-    /// Takes the last throw, removal or pull back.
-    pub(super) fn undo_last(&mut self) {
-        self.let_go();
-        let Some(point) = self.undo.pop() else { return };
-        let was_playing = self.is_playing;
-        let edit = self.edits.get(point.edits).cloned();
-        if self.go_back(point.time_s, point.edits) {
-            if !point.later.is_empty() {
-                self.redo = point.later;
-            }
-            self.redo.extend(edit.map(|edit| RedoPoint { what: point.what.clone(), edit }));
-            self.mention(format!("Taken back: {}. The scene is where it was then.", point.what));
-        }
-        self.set_playing(was_playing);
-    }
-
-    /// Makes the edit again that was taken back last, at its own time.
-    pub(super) fn redo_last(&mut self) {
-        self.let_go();
-        let Some(RedoPoint { what, edit }) = self.redo.pop() else { return };
-        let was_playing = self.is_playing;
-        let thrown = usize::from(matches!(edit.done, Done::Enter(..)));
-        // What was dropped comes after the present: time goes there first, and is recorded on the way.
-        let is_there = match edit.time_s > self.time_s() {
-            true => self.simulate_to(edit.time_s),
-            false => self.go_back(edit.time_s, self.edits.len()),
-        };
-        if is_there {
-            // The edit is one of them and not another that makes them void.
-            let others = std::mem::take(&mut self.redo);
-            self.thrown += thrown * usize::from(self.edit(edit.done, what.clone()));
-            self.redo = others;
-            self.mention(format!("Done again: {what}."));
-        }
-        self.set_playing(was_playing);
-    }
-
+    /// Goes back to a time at which so many edits had been made.
     pub(super) fn go_back(&mut self, time_s: f64, edits: usize) -> bool {
         self.let_go();
         let (mut run, thrown) = match self.run_at(time_s, edits) {
@@ -289,13 +153,13 @@ impl Session {
                 return false;
             }
         };
-        self.edits.truncate(edits);
+        self.edits.go_back_to(edits);
         // Nobody holds on from here.
-        for pull in self.edits.iter_mut().filter_map(Edit::pull).filter(|pull| pull.until_s > time_s) {
-            pull.until_s = time_s;
-            run.world.renew_pull(pull);
-        }
-        self.undo.retain(|point| point.edits < edits);
+        self.edits.let_go_at(time_s).iter().for_each(|pull| run.world.renew_pull(pull));
+        self.looked = self.looked.take().filter(|looked| looked.is_before(time_s, edits));
+        let has_contact = self.edits.iter().any(|edit| matches!(edit.done, Done::Contact(_)));
+        self.contact =
+            if has_contact { Some(run.world.setup().contact.clone()) } else { self.contact_given.clone() };
         self.keyframes.retain(|keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits);
         self.keep_worlds_within(self.recording.world_limit_bytes());
         Arc::make_mut(&mut self.recording).cut_after(time_s, edits);
@@ -322,12 +186,10 @@ impl Session {
         let mut run = keyframe.run.clone();
         let mut thrown = keyframe.thrown;
         // A world that was kept during a pull knows its path up to then.
-        let pulls = self.edits[..keyframe.edits.min(self.edits.len())].iter();
-        for pull in pulls.filter_map(|edit| if let Done::Pull(pull) = &edit.done { Some(pull) } else { None })
-        {
+        for pull in self.edits.iter().take(keyframe.edits).filter_map(Edit::pull) {
             run.world.renew_pull(pull);
         }
-        for edit in &self.edits[keyframe.edits..edits.min(self.edits.len())] {
+        for edit in self.edits.iter().take(edits).skip(keyframe.edits) {
             step_to(&mut run.world, edit.time_s)?;
             thrown += usize::from(matches!(edit.done, Done::Enter(..)));
             run.make(&edit.done)?;
@@ -337,21 +199,21 @@ impl Session {
     }
 }
 
-/// `dropped` begins with the last one.
-fn dropped_text(time_s: f64, dropped: &[RedoPoint], is_playing: bool) -> String {
+fn dropped_text(time_s: f64, dropped: &[&str], is_playing: bool) -> Option<String> {
     const MOST_NAMED: usize = 3;
-    let names: Vec<&str> = dropped.iter().rev().take(MOST_NAMED).map(|point| point.what.as_str()).collect();
     let more = if dropped.len() > MOST_NAMED { ", …" } else { "" };
-    let (changes, them) = match dropped.len() {
+    let (changes, again) = match dropped.len() {
+        0 => return None,
         1 => ("one later change".to_owned(), "does it again, at its time"),
         count => (format!("{count} later changes"), "does them again one by one, each at its time"),
     };
-    let undo = if is_playing { "Ctrl Y" } else { "Once this is taken back (Ctrl Z), Ctrl Y" };
-    format!(
-        "Going on from {} drops {changes}: {}{more}. {undo} {them}.",
+    // Otherwise something is done in their place: that has to be taken back first.
+    let keys = if is_playing { "Ctrl Y" } else { "Ctrl Z, then Ctrl Shift Y" };
+    Some(format!(
+        "Going on from {} drops {changes}: {}{more}. {keys} {again}.",
         with_unit(time_s, "s"),
-        names.join(", ")
-    )
+        dropped[..dropped.len().min(MOST_NAMED)].join(", ")
+    ))
 }
 
 pub(super) fn step_to(world: &mut World, time_s: f64) -> Result<(), SimError> {

@@ -131,7 +131,11 @@ fn slow_frames_are_drawn_less_finely_until_everything_stands_still() {
     let fine = picture(&mut window);
     window.steer();
     window.assumed = Some(Duration::from_millis(90));
-    turn_away(&mut window, 8);
+    for _ in 0..8 {
+        turn_away(&mut window, 1);
+        // The next layout tells.
+        assert_eq!(window.app.detail, window.detail());
+    }
     assert_eq!(window.detail(), Some("draft, 1/2"));
     window.app.look.camera = camera;
     let draft = picture(&mut window);
@@ -197,14 +201,41 @@ fn painting_what_changed_gives_the_same_picture_as_painting_all() {
             let input = window.input(FRAME_S, vec![at]);
             window.frame(input).unwrap();
         }
-        // Nothing moves between both.
-        let input = window.input(0.0, Vec::new());
-        let parts = window.picture(input).unwrap();
-        window.forget_what_is_painted();
-        let input = window.input(0.0, Vec::new());
-        let whole = window.picture(input).unwrap();
-        assert!(parts == whole, "after deed {number}: {} pixels differ", differing(&parts, &whole));
+        assert_same_when_painted_anew(&mut window, &format!("deed {number}"));
     }
+    // Text in the line at the bottom is selected, and then no more.
+    let line = SIZE_PX[1] as f32 - 12.0;
+    let plain = assert_same_when_painted_anew(&mut window, "all deeds");
+    drag(&mut window, [egui::pos2(12.0, line), egui::pos2(300.0, line)]);
+    let selected = assert_same_when_painted_anew(&mut window, "a text is selected");
+    drag(&mut window, [egui::pos2(620.0, line); 2]);
+    assert_same_when_painted_anew(&mut window, "nothing is selected any more");
+    assert!(differing(&plain, &selected) > 200, "nothing was selected");
+}
+
+fn drag(window: &mut OffScreenWindow, [from, to]: [egui::Pos2; 2]) {
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    let [moved, there] = [from, to].map(egui::Event::PointerMoved);
+    for event in [moved, button(from, true), there.clone(), button(to, false), there] {
+        let input = window.input(0.5, vec![event]);
+        window.frame(input).unwrap();
+    }
+}
+
+fn assert_same_when_painted_anew(window: &mut OffScreenWindow, after: &str) -> Picture {
+    // Nothing moves between both.
+    let input = window.input(0.0, Vec::new());
+    let parts = window.picture(input).unwrap();
+    window.forget_what_is_painted();
+    let input = window.input(0.0, Vec::new());
+    let whole = window.picture(input).unwrap();
+    assert!(parts == whole, "after {after}: {} pixels differ", differing(&parts, &whole));
+    whole
 }
 
 fn differing(a: &Picture, b: &Picture) -> usize {

@@ -61,11 +61,24 @@ fn a_display_of_twice_the_density_shows_the_same_window_larger() {
     }
 }
 
+/// What the scene says of the ends of the colours is meant for its own field.
+#[test]
+fn another_field_finds_its_own_range() {
+    let draw = |range: &str| {
+        let overrides =
+            vec!["recording.color_by=von-mises".to_owned(), format!("recording.color_range={range}")];
+        let color_by = Some(crate::frame::ColorBy::MaxPrincipal);
+        window_picture(&WindowShot { color_by, overrides, ..shot("bounce") }).unwrap()
+    };
+    assert!(draw("[0, 7e4]") == draw("found"));
+}
+
 #[test]
 fn a_remembered_layout_is_the_same_after_it_was_shown() {
     let kept = Preferences {
         is_dark: true,
         wireframe: true,
+        is_always_fine: true,
         inspector: false,
         parameters_width: 333.0,
         zoom: 1.25,

@@ -25,7 +25,7 @@ const MOST_FILES: usize = 40;
 /// Wall time of a frame, s.
 const FRAME_S: f64 = 1.0 / 30.0;
 
-const KEYS: [Key; 26] = [
+const KEYS: [Key; 27] = [
     Key::Space,
     Key::Period,
     Key::R,
@@ -48,6 +48,7 @@ const KEYS: [Key; 26] = [
     Key::Enter,
     Key::Backspace,
     Key::Delete,
+    Key::Y,
     Key::Z,
     Key::S,
     Key::A,

@@ -7,7 +7,7 @@ use crate::render::parse_with_unit;
 use crate::viewer::app::App;
 use crate::viewer::closer::{Closer, CutDirection};
 use crate::viewer::look::Look;
-use egui::{DragValue, RichText, Slider, TextEdit, Ui};
+use egui::{DragValue, RichText, Slider, SliderClamping, TextEdit, Ui};
 
 /// Shows the switches.
 pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
@@ -50,10 +50,12 @@ fn plane(ui: &mut Ui, closer: &mut Closer) {
         let value_size = egui::vec2(88.0, ui.spacing().interact_size.y);
         let hint = "Where the plane is along its direction";
         ui.spacing_mut().slider_width = (ui.available_width() - value_size.x - 8.0).max(30.0);
-        let slider = Slider::new(&mut closer.position_m, low..=high).smart_aim(false).show_value(false);
-        ui.add(slider).on_hover_text(hint);
+        // A place that a scene says stays, even where no body has come yet.
+        let slider = Slider::new(&mut closer.position_m, low..=high).clamping(SliderClamping::Edits);
+        ui.add(slider.smart_aim(false).show_value(false)).on_hover_text(hint);
         let value = DragValue::new(&mut closer.position_m)
             .range(low..=high)
+            .clamp_existing_to_range(false)
             .speed(0.002 * f64::from(high - low))
             .custom_formatter(|value, _| measured(value, "m"))
             .custom_parser(|text| parse_with_unit(text, "m"));

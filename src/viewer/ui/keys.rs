@@ -6,7 +6,7 @@ use crate::viewer::app::{App, SaveKind};
 use egui::{Context, Key, Modifiers};
 
 /// The keys with what they do, for the help.
-pub const KEYS: [(&str, &str); 18] = [
+pub const KEYS: [(&str, &str); 19] = [
     ("Space", "play or pause"),
     (".", "one step"),
     ("R", "back to the start, with the values on the sliders"),
@@ -16,8 +16,9 @@ pub const KEYS: [(&str, &str); 18] = [
     ("Left, Right", "the recorded moment before, after"),
     ("End", "back to the present"),
     ("T", "throw with the mouse, or turn the camera again"),
-    ("Ctrl Z", "take the last throw, removal or pull back"),
+    ("Ctrl Z", "take the last throw, removal, pull or change of contact back"),
     ("Ctrl Y, Ctrl Shift Z", "do it again"),
+    ("Ctrl Shift Y", "do again what had been done there before that"),
     ("Ctrl S", "save the scene"),
     ("W", "edges of the elements"),
     ("C", "cut the bodies open, or close them again"),
@@ -44,6 +45,7 @@ pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
     if !is_gallery {
         // The one with more keys first: the other would take it for its own.
         on_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z, Action::Redo);
+        on_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::Y, Action::RedoOther);
         on_with(Modifiers::COMMAND, Key::Z, Action::Undo);
         on_with(Modifiers::COMMAND, Key::Y, Action::Redo);
         on_with(Modifiers::SHIFT, Key::R, Action::Again);

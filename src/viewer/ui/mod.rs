@@ -75,10 +75,12 @@ pub enum Action {
     Drag(DVec3),
     /// Let go what is pulled.
     LetGo,
-    /// Take the last throw, removal or pull back.
+    /// Take back what was done last.
     Undo,
     /// Do again what was taken back.
     Redo,
+    /// Do again what had been done there before that.
+    RedoOther,
     /// Dragging throws, or turns the camera.
     ToggleAim,
     /// Dragging turns the camera again.
@@ -140,6 +142,7 @@ impl Action {
                 | Self::Grab { .. }
                 | Self::Undo
                 | Self::Redo
+                | Self::RedoOther
                 | Self::PlayOnFromHere
                 | Self::Save(_)
                 | Self::ContactEdited

@@ -39,6 +39,7 @@ fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {
     let speed = match snapshot.real_time_factor {
         Some(factor) if factor > 0.0 => speed_text(factor),
         _ if app.player.is_back() => "looking back".to_owned(),
+        _ if snapshot.redoing.is_some() => "on the way to what is done again".to_owned(),
         _ if snapshot.is_playing => "…".to_owned(),
         _ if snapshot.over_after_s().is_some() => "at the end; play goes on".to_owned(),
         _ => "paused".to_owned(),

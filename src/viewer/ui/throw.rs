@@ -104,7 +104,9 @@ fn undo(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let undo =
         (&app.snapshot.undo, "Undo", "The scene goes back to where it stood then (Ctrl Z)", Action::Undo);
     let redo = (&app.snapshot.redo, "Redo", "Does it again, at its own time (Ctrl Y)", Action::Redo);
-    for (what, word, hint, action) in [undo, redo] {
+    let hint = "Does again, at its own time, what had been done here before that (Ctrl Shift Y)";
+    let other = (&app.snapshot.redo_other, "Or redo", hint, Action::RedoOther);
+    for (what, word, hint, action) in [undo, redo, other] {
         let Some(what) = what else { continue };
         let button = Button::new(format!("{word}: {what}")).truncate();
         if ui.add_sized([ui.available_width(), 26.0], button).on_hover_text(hint).clicked() {

@@ -23,6 +23,10 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     if grab::drag(ui, app, area, &response, actions) {
         input.orbit = Vec2::ZERO;
     }
+    app.aim.is_spent &= response.dragged_by(PointerButton::Primary);
+    if app.aim.is_spent {
+        input.orbit = Vec2::ZERO;
+    }
     if app.aim.is_armed {
         input.orbit = Vec2::ZERO;
         take_aim(app, area, &response, actions);

@@ -1,0 +1,167 @@
+//! Taking back what was done and making it again.
+//!
+//! What is made again comes at its own time. Where that is still ahead, time goes there first, as fast as it can, and
+//! is recorded on the way: a slice at a time, so that commands are heard meanwhile.
+
+use super::super::pacing::FRAME_S;
+use super::{Session, is_reached};
+use crate::render::with_unit;
+
+/// Most moments that a way to a time is made of: in extreme slow motion it would never end.
+const MOST_MOMENTS: f64 = 2e4;
+
+/// On the way to what is made again.
+pub(super) struct Redoing {
+    /// So many are to be made again.
+    count: usize,
+    /// Whether time runs on afterwards.
+    pub then_plays: bool,
+    /// The next moment to be recorded, s.
+    moment_s: f64,
+}
+
+/// How a stretch of the way ended.
+enum Way {
+    Reached,
+    Interrupted,
+    Failed,
+}
+
+impl Session {
+    /// What redo would make again, in words, while time goes there.
+    pub(super) fn redoing_words(&self) -> Option<String> {
+        self.redoing.as_ref().and_then(|_| self.edits.next()).map(|edit| edit.what.clone())
+    }
+
+    /// Takes back what was done last.
+    pub(super) fn undo_last(&mut self) {
+        self.let_go();
+        let Some((edits, step)) = self.edits.last_step() else { return };
+        let (time_s, what) = (step.time_s, step.what.clone());
+        let was_playing = self.is_playing;
+        if self.go_back(time_s, edits) {
+            let other = self.edits.other().map(|other| {
+                format!(" Ctrl Shift Y goes over to what was done here before: {}.", other.what)
+            });
+            let other = other.unwrap_or_default();
+            self.mention(format!("Taken back: {what}. The scene is where it was then.{other}"));
+        }
+        self.set_playing(was_playing);
+    }
+
+    /// Makes again, at its own time, what was left last.
+    pub(super) fn redo_next(&mut self) {
+        self.let_go();
+        if let Some(redoing) = &mut self.redoing {
+            redoing.count += 1;
+            return;
+        }
+        let Some(next) = self.edits.next() else { return };
+        let (time_s, what) = (next.time_s, next.what.clone());
+        let (then_plays, moment_s) = (self.is_playing, self.time_s());
+        let is_ahead = time_s > moment_s;
+        if is_ahead {
+            self.set_playing(true);
+            if !self.is_playing {
+                return;
+            }
+            self.mention(format!(
+                "Playing on to {}, where this is done again: {what}.",
+                with_unit(time_s, "s")
+            ));
+        }
+        self.redoing = Some(Redoing { count: 1, then_plays, moment_s });
+        if !is_ahead {
+            self.go_on_redoing(|| true);
+        }
+    }
+
+    /// Makes again what had been done at this place before that.
+    pub(super) fn redo_other(&mut self) {
+        if self.edits.other().is_some() {
+            self.edits.turn_to_other();
+            self.redo_next();
+        }
+    }
+
+    /// Ends the way to what would have been made again; that still can be.
+    pub(super) fn stop_redoing(&mut self) {
+        if let Some(redoing) = self.redoing.take() {
+            self.set_playing(redoing.then_plays);
+        }
+    }
+
+    /// Goes on to what is made again, until it `is_enough` for now; `false` when there is more of the way.
+    pub(super) fn go_on_redoing(&mut self, mut is_enough: impl FnMut() -> bool) -> bool {
+        while self.redoing.is_some() {
+            let Some(next) = self.edits.next().map(|edit| edit.time_s) else { break };
+            let is_there = match next {
+                ahead_s if ahead_s > self.time_s() => match self.play_to_redo(ahead_s, &mut is_enough) {
+                    Way::Reached => true,
+                    Way::Interrupted => return false,
+                    Way::Failed => false,
+                },
+                now_s if now_s == self.time_s() && self.run_error.is_none() => true,
+                back_s => self.go_back(back_s, self.edits.len()),
+            };
+            if !(is_there && self.make_next()) {
+                break;
+            }
+            if self.edits.goes_on_as_one() {
+                continue;
+            }
+            self.mention_redone();
+            let Some(redoing) = &mut self.redoing else { break };
+            redoing.count -= 1;
+            if redoing.count == 0 {
+                break;
+            }
+        }
+        self.stop_redoing();
+        true
+    }
+
+    fn mention_redone(&mut self) {
+        let Some((_, step)) = self.edits.last_step() else { return };
+        let told = format!("Done again: {}.", step.what);
+        self.mention(told);
+    }
+
+    /// Simulates up to a time, recording moments on the way as on a machine that is always in time; the last one is that
+    /// of the first step that reaches it. `false` when the run cannot go on.
+    pub fn simulate_to(&mut self, until_s: f64) -> bool {
+        let mut moment_s = self.time_s();
+        matches!(self.play_towards(until_s, &mut moment_s, &mut || false), Way::Reached)
+    }
+
+    fn play_to_redo(&mut self, until_s: f64, is_enough: &mut impl FnMut() -> bool) -> Way {
+        let mut moment_s = self.redoing.as_ref().map_or(0.0, |redoing| redoing.moment_s);
+        let way = self.play_towards(until_s, &mut moment_s, is_enough);
+        if let Some(redoing) = &mut self.redoing {
+            redoing.moment_s = moment_s;
+        }
+        way
+    }
+
+    /// The same in slices; `next_s` is when the next moment is recorded.
+    fn play_towards(&mut self, until_s: f64, next_s: &mut f64, is_enough: &mut impl FnMut() -> bool) -> Way {
+        while !is_reached(self.time_s(), until_s) {
+            let now_s = self.time_s();
+            if is_reached(now_s, *next_s) {
+                *next_s = now_s + (FRAME_S * self.speed_now()).max(until_s / MOST_MOMENTS);
+            }
+            // No moment a rounding before the end: what is made there is made at its very time.
+            let moment_s = if is_reached(*next_s, until_s) { until_s } else { *next_s };
+            if !self.take_step(moment_s) {
+                return Way::Failed;
+            }
+            if is_reached(self.time_s(), moment_s) {
+                self.note_moment();
+            }
+            if !is_reached(self.time_s(), until_s) && is_enough() {
+                return Way::Interrupted;
+            }
+        }
+        Way::Reached
+    }
+}

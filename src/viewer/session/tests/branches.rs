@@ -1,0 +1,203 @@
+//! Taking back what was done, doing it again, and doing something else.
+
+use super::*;
+
+#[test]
+fn what_playing_on_from_an_earlier_moment_drops_is_told_and_can_be_done_again() {
+    let mut session = opened("bounce", &[]);
+    play(&mut session, 20);
+    let early_s = session.time_s();
+    play(&mut session, 10);
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    play(&mut session, 10);
+    session.execute(Command::Throw(dropped(ThrowKind::Cube)));
+    play(&mut session, 10);
+    let (then, end_s) = (session.snapshot().frame, session.time_s());
+
+    session.execute(Command::PlayOnFrom { time_s: early_s, play: true });
+    let notice = session.snapshot().notice.unwrap();
+    assert!(notice.is_passing && notice.text.contains("2 later changes"), "{}", notice.text);
+    assert!(notice.text.contains("Ball thrown in, Cube thrown in") && notice.text.contains("Ctrl Y"));
+    play(&mut session, 3);
+    // Both again, at their times, and the same comes of it; the way there is recorded.
+    session.execute(Command::Redo);
+    session.execute(Command::Redo);
+    arrive(&mut session);
+    assert!(session.snapshot().redo.is_none());
+    assert!(session.simulate_to(end_s));
+    let now = session.snapshot().frame;
+    assert_eq!(now.bodies.len(), then.bodies.len());
+    for (now, then) in now.bodies.iter().zip(&then.bodies) {
+        // Up to the rounding of free flight, whose steps end where moments are recorded.
+        let is_same = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-5);
+        assert!(now.positions_m.iter().zip(&then.positions_m).all(is_same), "{}", now.name);
+    }
+    let times: Vec<f64> = session.recording.moments().iter().map(|moment| moment.time_s).collect();
+    assert!(times.windows(2).all(|pair| pair[1] - pair[0] < 3.0 * FRAME_S), "{times:?}");
+
+    // Throwing at an earlier moment drops them, too, and taking that back brings them within reach again.
+    session.execute(Command::PlayOnFrom { time_s: early_s, play: false });
+    session.execute(Command::Throw(dropped(ThrowKind::Hammer)));
+    assert!(session.snapshot().redo.is_none());
+    session.execute(Command::Undo);
+    session.execute(Command::Redo);
+    session.execute(Command::Undo);
+    let (redo, other) = (session.snapshot().redo.unwrap(), session.snapshot().redo_other.unwrap());
+    assert!(redo.contains("Hammer") && other.contains("Ball"), "{redo}, {other}");
+    // Nothing dropped, nothing told.
+    let mut quiet = opened("bounce", &[]);
+    play(&mut quiet, 10);
+    quiet.execute(Command::PlayOnFrom { time_s: 0.0, play: true });
+    assert!(quiet.snapshot().notice.is_none());
+}
+
+/// Whether the saved scene has the same bodies in the same places, up to the rounding of free flight.
+fn assert_saved_with_all(session: &mut Session) {
+    let mut again = saved(session);
+    let world = &mut again.run.as_mut().unwrap().world;
+    while world.time_s() < session.time_s() {
+        world.step(session.time_s()).unwrap();
+    }
+    world.catch_up().unwrap();
+    let (now, then) = (world.publish(), session.snapshot().frame);
+    assert_eq!(now.bodies.len(), then.bodies.len());
+    for (now, then) in now.bodies.iter().zip(&then.bodies) {
+        let is_same = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-5);
+        assert!(
+            now.name == then.name && now.positions_m.iter().zip(&then.positions_m).all(is_same),
+            "{}",
+            now.name
+        );
+    }
+}
+
+/// The session with two bodies thrown in, back before both, and the number of bodies at the start.
+fn dropped_ball_and_cube() -> (Session, usize) {
+    let mut session = opened("bounce", &[]);
+    let bodies = session.snapshot().frame.bodies.len();
+    play(&mut session, 10);
+    let early_s = session.time_s();
+    play(&mut session, 10);
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    play(&mut session, 10);
+    session.execute(Command::Throw(dropped(ThrowKind::Cube)));
+    play(&mut session, 5);
+    session.execute(Command::PlayOnFrom { time_s: early_s, play: true });
+    (session, bodies)
+}
+
+fn redo_words(session: &mut Session) -> [Option<String>; 2] {
+    let snapshot = session.snapshot();
+    [snapshot.redo, snapshot.redo_other]
+}
+
+#[test]
+fn what_is_done_again_follows_what_it_followed_and_nothing_else() {
+    let (mut session, bodies) = dropped_ball_and_cube();
+    session.execute(Command::Throw(dropped(ThrowKind::Hammer)));
+    play(&mut session, 5);
+    session.execute(Command::Undo);
+    let hammer_and_ball = redo_words(&mut session);
+    assert_eq!(hammer_and_ball, ["Hammer thrown in", "Ball thrown in"].map(|text| Some(text.to_owned())));
+    // Only the hammer: the ball was thrown into a scene without it.
+    session.execute(Command::Redo);
+    session.execute(Command::Redo);
+    arrive(&mut session);
+    assert_eq!(redo_words(&mut session), [None, None]);
+    assert_eq!(session.snapshot().frame.bodies.len(), bodies + 1);
+    assert_saved_with_all(&mut session);
+    // The ball and the cube instead.
+    session.execute(Command::Undo);
+    session.execute(Command::RedoOther);
+    session.execute(Command::Redo);
+    arrive(&mut session);
+    let seen = session.snapshot();
+    assert_eq!((seen.frame.bodies.len(), seen.redo), (bodies + 2, None));
+    assert_saved_with_all(&mut session);
+    // And the hammer is not lost for it.
+    session.execute(Command::Undo);
+    session.execute(Command::Undo);
+    assert_eq!(
+        redo_words(&mut session),
+        ["Ball thrown in", "Hammer thrown in"].map(|text| Some(text.to_owned()))
+    );
+}
+
+#[test]
+fn nothing_that_was_taken_back_is_lost_when_another_thing_is() {
+    let (mut session, _) = dropped_ball_and_cube();
+    session.execute(Command::Throw(dropped(ThrowKind::Hammer)));
+    session.execute(Command::Throw(dropped(ThrowKind::Cube)));
+    session.execute(Command::Undo);
+    session.execute(Command::Undo);
+    session.execute(Command::Redo);
+    assert_eq!(redo_words(&mut session), [Some("Cube thrown in".to_owned()), None]);
+}
+
+#[test]
+fn contact_or_a_grab_in_vain_leave_what_was_dropped_within_reach() {
+    let (mut session, bodies) = dropped_ball_and_cube();
+    let slide = |session: &mut Session, friction_coefficient: f64| {
+        let contact = session.snapshot().contact.unwrap();
+        session.execute(Command::SetContact(ContactParameters { friction_coefficient, ..contact }));
+    };
+    let before = session.snapshot().contact.unwrap().friction_coefficient;
+    slide(&mut session, 0.7);
+    slide(&mut session, 0.8);
+    let name = session.snapshot().body_names.last().unwrap().clone();
+    grab(&mut session, &name);
+    session.execute(Command::LetGo);
+    assert_eq!(redo_words(&mut session)[0].as_deref(), Some("Ball thrown in"));
+    session.execute(Command::Redo);
+    arrive(&mut session);
+    let seen = session.snapshot();
+    assert_eq!((seen.frame.bodies.len(), seen.contact.unwrap().friction_coefficient), (bodies + 1, 0.8));
+    assert_saved_with_all(&mut session);
+    // The slider is taken back and done again in one go.
+    session.execute(Command::Undo);
+    session.execute(Command::Undo);
+    let friction = |session: &mut Session| session.snapshot().contact.unwrap().friction_coefficient;
+    assert_eq!(friction(&mut session), before);
+    assert!(session.snapshot().undo.is_none() && session.contact.is_none());
+    session.execute(Command::Redo);
+    assert_eq!(friction(&mut session), 0.8);
+}
+
+#[test]
+fn the_way_to_what_is_done_again_can_be_paused_and_taken_up() {
+    let (mut session, bodies) = dropped_ball_and_cube();
+    session.execute(Command::Pause);
+    let early_s = session.time_s();
+    session.execute(Command::Redo);
+    assert_eq!(session.time_s(), early_s, "the way is not gone while commands wait");
+    assert!(!session.advance(0.0, || true));
+    let seen = session.snapshot();
+    assert!(seen.is_playing && seen.redoing.is_some_and(|what| what.contains("Ball")));
+    assert!(session.time_s() > early_s);
+    session.execute(Command::Pause);
+    let seen = session.snapshot();
+    assert!(!seen.is_playing && seen.redoing.is_none());
+    assert_eq!((seen.frame.bodies.len(), seen.redo.as_deref()), (bodies, Some("Ball thrown in")));
+    session.execute(Command::Redo);
+    arrive(&mut session);
+    let seen = session.snapshot();
+    assert_eq!((seen.frame.bodies.len(), seen.is_playing), (bodies + 1, false));
+    // A run that fails on the way keeps what was to be done again.
+    session.execute(Command::Redo);
+    session.fail("blown up".to_owned());
+    session.advance(0.0, || true);
+    assert_eq!(redo_words(&mut session)[0].as_deref(), Some("Cube thrown in"));
+}
+
+#[test]
+fn extreme_slow_motion_does_not_keep_a_moment_out_of_reach() {
+    let mut session = opened("bounce", &["recording.slow_motion=1e9"]);
+    assert!(session.simulate_to(0.05) && is_reached(session.time_s(), 0.05));
+}
+
+#[test]
+fn nobody_of_a_wrong_number_is_taken_out() {
+    let mut session = opened("bounce", &[]);
+    let leave = super::edit_tree::Done::Leave(session.snapshot().scene.unwrap(), 99, String::new());
+    assert!(session.run.as_mut().unwrap().make(&leave).is_err());
+}
