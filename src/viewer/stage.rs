@@ -22,6 +22,11 @@ struct Picture {
 
 type Sight = (Arc<Frame>, Camera, View);
 
+/// Triangles from which on those of a new moment are built by another thread: fewer are built sooner than handed over.
+const MANY_TRIANGLES: usize = 10_000;
+/// How long to wait before asking again whether they are there.
+const POLL: Duration = Duration::from_millis(4);
+
 /// What was drawn of the scene in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Drawn {
@@ -57,6 +62,8 @@ pub struct Stage {
     painter: egui_wgpu::Renderer,
     renderer: Renderer,
     picture: Option<Picture>,
+    /// The moment whose triangles are being built; the one before is seen until then.
+    coming: Option<Sight>,
     thumbnails: Vec<(usize, Picture)>,
     /// Why a picture could not be drawn, as it was told last.
     told: Option<GpuError>,
@@ -86,6 +93,7 @@ impl Stage {
             format,
             can_copy,
             picture: None,
+            coming: None,
             thumbnails: Vec::new(),
             told: None,
             steering: None,
@@ -160,9 +168,15 @@ impl Stage {
         let is_other = picture.shows.is_none() || self.opened != app.snapshot.opened;
         self.steering.iter_mut().filter(|_| is_other).for_each(Steering::begin_anew);
         self.opened = app.snapshot.opened;
+        let is_steered = self.steering.is_some() && !app.look.is_always_fine;
+        let (wanted, wait) = if is_steered {
+            self.moment_to_show(picture.shows.as_ref(), wanted, now)
+        } else {
+            (wanted, None)
+        };
         let steering = self.steering.as_mut().filter(|_| !app.look.is_always_fine);
         let is_playing = app.snapshot.is_playing || app.player.is_playing();
-        let plan = plan(&picture, wanted, steering, (now, is_playing));
+        let plan = plan(&picture, (wanted, wait), steering, (now, is_playing));
         // The panels paint it only where it cannot be copied.
         app.picture = (!self.can_copy).then_some(picture.id);
         let mut done = Ok(plan.more);
@@ -177,6 +191,39 @@ impl Stage {
         }
         self.picture = Some(picture);
         done
+    }
+
+    /// What of the scene is to be seen now, in place of what is wanted: large scenes show each moment a while, and until the
+    /// triangles of the next one are there. The camera turns meanwhile. Tells also how long to wait before asking again.
+    fn moment_to_show(
+        &mut self,
+        shown: Option<&Sight>,
+        wanted: Sight,
+        now: Duration,
+    ) -> (Sight, Option<Duration>) {
+        let coming = self.coming.take();
+        let is_new = |shown: &&Sight| !Arc::ptr_eq(&shown.0, &wanted.0) && has_same_look(shown, &wanted);
+        let (Some(shown), Some(steering)) = (shown.filter(is_new), &self.steering) else {
+            return (wanted, None);
+        };
+        let held = (shown.0.clone(), wanted.1, shown.2.clone());
+        let coming = match coming.filter(|coming| has_same_look(coming, &wanted)) {
+            Some(coming) => coming,
+            None => {
+                if let Some(wait) = steering.until_moment(now) {
+                    return (held, Some(wait));
+                }
+                if triangles_of(&wanted.0) < MANY_TRIANGLES {
+                    return (wanted, None);
+                }
+                wanted.clone()
+            }
+        };
+        if self.renderer.prepare(&coming.0, &coming.2) {
+            return ((coming.0, wanted.1, coming.2), None);
+        }
+        self.coming = Some(coming);
+        (held, Some(POLL))
     }
 
     /// One thumbnail at a time, so that the gallery stays quick; returns whether there was one.
@@ -336,9 +383,10 @@ struct Plan {
     more: Option<Duration>,
 }
 
+/// What to draw of a sight that is to be seen now, while a new moment has to `wait`.
 fn plan(
     picture: &Picture,
-    wanted: Sight,
+    (wanted, wait): (Sight, Option<Duration>),
     steering: Option<&mut Steering>,
     (now, is_playing): (Duration, bool),
 ) -> Plan {
@@ -348,16 +396,8 @@ fn plan(
         let draw = (!is_shown).then_some((wanted, Quality::FULL));
         return Plan { draw, drawn: Drawn::AtRest, more: None };
     };
-    let Some(shown) = &picture.shows else {
-        steering.moved(now);
-        let quality = steering.in_motion();
-        return Plan {
-            draw: Some((wanted, quality)),
-            drawn: Drawn::InMotion(true),
-            more: steering.until_rest(now, is_playing),
-        };
-    };
-    if is_same(shown, &wanted) {
+    let shown = picture.shows.as_ref();
+    if shown.is_some_and(|shown| is_same(shown, &wanted)) && wait.is_none() {
         if picture.quality == Quality::FULL {
             return Plan { draw: None, drawn: Drawn::Nothing, more: None };
         }
@@ -366,16 +406,21 @@ fn plan(
         return Plan { draw, drawn: Drawn::AtRest, more };
     }
     steering.moved(now);
-    let is_new = !Arc::ptr_eq(&shown.0, &wanted.0);
-    let is_same_look = View { range: shown.2.range, ..wanted.2.clone() } == shown.2;
-    let (sight, more) = match steering.until_moment(now).filter(|_| is_new && is_same_look) {
-        // Large scenes show each moment a while; the camera turns meanwhile.
-        Some(wait) => ((shown.0.clone(), wanted.1, shown.2.clone()), wait),
-        None => (wanted, steering.until_rest(now, is_playing).unwrap_or_default()),
-    };
-    let is_new = !Arc::ptr_eq(&shown.0, &sight.0);
-    let draw = (!is_same(shown, &sight)).then(|| (sight, steering.in_motion()));
-    Plan { draw, drawn: Drawn::InMotion(is_new), more: Some(more) }
+    let is_new = shown.is_none_or(|shown| !Arc::ptr_eq(&shown.0, &wanted.0));
+    let is_shown = shown.is_some_and(|shown| is_same(shown, &wanted));
+    Plan {
+        draw: (!is_shown).then(|| (wanted, steering.in_motion())),
+        drawn: Drawn::InMotion(is_new),
+        more: wait.or_else(|| steering.until_rest(now, is_playing)),
+    }
+}
+
+fn has_same_look(a: &Sight, b: &Sight) -> bool {
+    View { range: a.2.range, ..b.2.clone() } == a.2
+}
+
+fn triangles_of(frame: &Frame) -> usize {
+    frame.bodies.iter().map(|body| body.surface.triangles.len()).sum()
 }
 
 /// The background of a part of the window, but not behind the picture.
