@@ -10,7 +10,17 @@ pub(crate) const WGSL: &str = include_str!("../../shaders/depth_pass.wgsl");
 #[derive(Debug)]
 pub(crate) struct DepthPass {
     layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::RenderPipeline,
+    /// By [`Seen`].
+    pipelines: [wgpu::RenderPipeline; 2],
+}
+
+/// From where a map looks: only faces towards it are drawn, since the nearest ones of closed surfaces are among them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Seen {
+    /// From the far end of a right-handed frame, as a camera does.
+    FromAbove,
+    /// The other way round.
+    FromBelow,
 }
 
 /// A depth texture and the matrix it is drawn with.
@@ -25,19 +35,21 @@ impl DepthPass {
     pub fn new(device: &wgpu::Device) -> Self {
         let layout = bindings::layout(device, "depth pass", &[bindings::uniform()]);
         let shader = bindings::shader(device, "depth pass", WGSL);
-        let pipeline = PipelineParts {
+        let layouts = [&layout];
+        let pipeline = |cull| PipelineParts {
             label: "depth pass",
             shader: &shader,
-            layouts: &[&layout],
+            layouts: &layouts,
             vertex_entry: "vertex",
             vertex_buffer: Some(VERTEX_LAYOUT),
             fragment: None,
             depth: Some(depth_state()),
-            cull: None,
+            cull: Some(cull),
             samples: 1,
             constants: &[],
         };
-        Self { pipeline: pipeline.build(device), layout }
+        let pipelines = [wgpu::Face::Back, wgpu::Face::Front].map(|cull| pipeline(cull).build(device));
+        Self { pipelines, layout }
     }
 
     pub fn new_map(&self, device: &wgpu::Device, label: &str, side_px: u32) -> DepthMap {
@@ -54,7 +66,7 @@ impl DepthPass {
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        map: &DepthMap,
+        (map, seen): (&DepthMap, Seen),
         vertices: &wgpu::Buffer,
         count: u32,
     ) {
@@ -70,7 +82,7 @@ impl DepthPass {
             }),
             ..Default::default()
         });
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.pipelines[seen as usize]);
         pass.set_bind_group(0, &map.group, &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..count, 0..1);

@@ -1,6 +1,6 @@
 //! The maps of what light reaches: fine ones for pictures that last, small ones for drafts.
 
-use crate::render::depth_pass::{DepthMap, DepthPass};
+use crate::render::depth_pass::{DepthMap, DepthPass, Seen};
 use crate::render::floor_blur_pass::FloorBlurPass;
 use crate::render::floor_light_pass::{FloorLightPass, FloorMap};
 use crate::render::frame_uniforms::FrameBinding;
@@ -91,9 +91,9 @@ impl LightPasses {
         (vertices, count): Casters<'_>,
         (has_floor, quality): (bool, Quality),
     ) {
-        self.depth.draw(encoder, &maps.shadow, vertices, count);
+        self.depth.draw(encoder, (&maps.shadow, Seen::FromAbove), vertices, count);
         if has_floor {
-            self.depth.draw(encoder, &maps.height, vertices, count);
+            self.depth.draw(encoder, (&maps.height, Seen::FromBelow), vertices, count);
             self.floor_light.draw(encoder, frame, &maps.rough, quality);
             self.floor_blur.draw(encoder, &maps.floor);
         }
