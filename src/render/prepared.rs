@@ -84,7 +84,9 @@ impl Prepared {
 
     /// What was built; waits for it. `None` where that failed.
     pub fn built(&mut self) -> Option<(&GeometryBuilder, Look)> {
-        if let State::Building(thread) = std::mem::replace(&mut self.state, State::Failed) {
+        if matches!(self.state, State::Building(_))
+            && let State::Building(thread) = std::mem::replace(&mut self.state, State::Failed)
+        {
             self.state = thread.join().map_or(State::Failed, |(builder, look)| State::Done(builder, look));
         }
         match &self.state {
@@ -97,5 +99,34 @@ impl Prepared {
     pub fn into_builder(mut self) -> GeometryBuilder {
         let _ = self.built();
         if let State::Done(builder, _) = self.state { builder } else { GeometryBuilder::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_another_thread_built_is_what_this_one_would_have() {
+        let mut frame = Frame::default();
+        let triangle = crate::frame::SurfaceTopology { triangles: vec![[0, 1, 2]], ..Default::default() };
+        frame.bodies.push(crate::frame::BodyFrame {
+            surface: Arc::new(triangle),
+            positions_m: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]],
+            ..Default::default()
+        });
+        let (frame, view) = (Arc::new(frame), View::default());
+        let mut here = GeometryBuilder::default();
+        let look = Look::of(&frame, &view);
+        here.build(&frame, look.hidden(), look.coloring);
+        let mut prepared = Prepared::start(&frame, &view, GeometryBuilder::default());
+        assert!(prepared.is_of(&frame, &view) && !prepared.is_of(&Arc::new(Frame::default()), &view));
+        // It may be asked for more than once.
+        for _ in 0..2 {
+            let (there, its_look) = prepared.built().unwrap();
+            assert_eq!((&there.geometry().vertices, its_look), (&here.geometry().vertices, look));
+        }
+        assert!(prepared.is_ready());
+        assert_eq!(prepared.into_builder().geometry().vertices.len(), 3);
     }
 }
