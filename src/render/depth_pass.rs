@@ -1,12 +1,29 @@
 //! Depth seen along a direction: the shadow map, and the heights above the floor.
 
 use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts};
-use crate::render::surface_pass::VERTEX_LAYOUT;
 use glam::Mat4;
 
 pub(crate) const WGSL: &str = include_str!("../../shaders/depth_pass.wgsl");
 
-/// The pipeline, shared by all depth maps.
+/// How positions lie in a vertex buffer.
+const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: size_of::<[f32; 3]>() as u64,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+};
+
+/// What is in the light's way.
+#[derive(Debug)]
+pub(crate) struct Casters<'a> {
+    /// Positions, metres, three `f32` each.
+    pub positions: &'a wgpu::Buffer,
+    /// Corners of triangles, `u32`.
+    pub corners: &'a wgpu::Buffer,
+    /// How many corners there are.
+    pub count: u32,
+}
+
+/// The pipelines, shared by all depth maps.
 #[derive(Debug)]
 pub(crate) struct DepthPass {
     layout: wgpu::BindGroupLayout,
@@ -67,8 +84,7 @@ impl DepthPass {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (map, seen): (&DepthMap, Seen),
-        vertices: &wgpu::Buffer,
-        count: u32,
+        casters: &Casters<'_>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("depth pass"),
@@ -84,8 +100,9 @@ impl DepthPass {
         });
         pass.set_pipeline(&self.pipelines[seen as usize]);
         pass.set_bind_group(0, &map.group, &[]);
-        pass.set_vertex_buffer(0, vertices.slice(..));
-        pass.draw(0..count, 0..1);
+        pass.set_vertex_buffer(0, casters.positions.slice(..));
+        pass.set_index_buffer(casters.corners.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..casters.count, 0, 0..1);
     }
 }
 

@@ -45,8 +45,10 @@ pub const NO_VALUE: f32 = -1.0;
 pub struct Geometry {
     /// Three for each triangle.
     pub vertices: Vec<SurfaceVertex>,
-    /// The first so many are of bodies and cast shadows; the rest are marks.
-    pub of_bodies: usize,
+    /// Positions of the vertices of the bodies, metres: what casts shadows,
+    pub casters_m: Vec<[f32; 3]>,
+    /// and its triangles. Corners share vertices here, as no colours and normals part them.
+    pub caster_triangles: Vec<[u32; 3]>,
     /// Smallest and largest coordinates, metres; `None` without triangles.
     pub bounds_m: Option<(Vec3, Vec3)>,
     /// Root mean square distance of a body's surface vertices from their centre, the largest of
@@ -89,13 +91,25 @@ impl GeometryBuilder {
             body.fill(&mut self.topologies[index], part);
             rest = others;
         }
-        self.geometry.of_bodies = corners;
+        self.gather_casters(frame, &shown);
         if let Some(scale_pa) = coloring.cross_scale_pa {
             self.geometry.vertices.extend(cross_vertices(&frame.crosses, scale_pa));
         }
         self.geometry.bounds_m = bounds_m(frame, &shown);
         self.geometry.body_radius_m = largest_radius_m(frame, &shown);
         &self.geometry
+    }
+
+    fn gather_casters(&mut self, frame: &Frame, shown: &[usize]) {
+        let Geometry { casters_m, caster_triangles, .. } = &mut self.geometry;
+        casters_m.clear();
+        caster_triangles.clear();
+        for &index in shown {
+            let (body, first) = (&frame.bodies[index], casters_m.len() as u32);
+            let used = self.topologies[index].starts.len() - 1;
+            casters_m.extend_from_slice(&body.positions_m[..used]);
+            caster_triangles.extend(body.surface.triangles.iter().map(|t| t.map(|corner| first + corner)));
+        }
     }
 
     /// What was built last.
@@ -407,6 +421,18 @@ mod tests {
         frame.bodies[0].role = BodyRole::Fixed;
         let geometry = builder.build(&frame, None, coloring(ColorBy::Speed));
         assert!(geometry.vertices.iter().all(|v| v.map_position < 0.0));
+    }
+
+    #[test]
+    fn casters_are_the_triangles_that_are_seen() {
+        let mut frame = hinge(20.0);
+        frame.bodies.push(frame.bodies[0].clone());
+        let mut builder = GeometryBuilder::default();
+        let geometry = builder.build(&frame, None, coloring(ColorBy::Material));
+        let corners = geometry.caster_triangles.iter().flatten();
+        let cast: Vec<[f32; 3]> = corners.map(|corner| geometry.casters_m[*corner as usize]).collect();
+        let seen: Vec<[f32; 3]> = geometry.vertices.iter().map(|vertex| vertex.position_m).collect();
+        assert_eq!((cast.len(), cast), (12, seen));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The maps of what light reaches: fine ones for pictures that last, small ones for drafts.
 
-use crate::render::depth_pass::{DepthMap, DepthPass, Seen};
+use crate::render::depth_pass::{Casters, DepthMap, DepthPass, Seen};
 use crate::render::floor_blur_pass::FloorBlurPass;
 use crate::render::floor_light_pass::{FloorLightPass, FloorMap};
 use crate::render::frame_uniforms::FrameBinding;
@@ -63,9 +63,6 @@ pub(crate) struct LightPasses {
     floor_blur: FloorBlurPass,
 }
 
-/// What is in the light's way: the first vertices of a buffer.
-pub(crate) type Casters<'a> = (&'a wgpu::Buffer, u32);
-
 impl LightPasses {
     pub fn new(device: &wgpu::Device, frame: &FrameBinding) -> Self {
         Self {
@@ -88,12 +85,12 @@ impl LightPasses {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (frame, maps): (&FrameBinding, &LightMaps),
-        (vertices, count): Casters<'_>,
+        casters: &Casters<'_>,
         (has_floor, quality): (bool, Quality),
     ) {
-        self.depth.draw(encoder, (&maps.shadow, Seen::FromAbove), vertices, count);
+        self.depth.draw(encoder, (&maps.shadow, Seen::FromAbove), casters);
         if has_floor {
-            self.depth.draw(encoder, (&maps.height, Seen::FromBelow), vertices, count);
+            self.depth.draw(encoder, (&maps.height, Seen::FromBelow), casters);
             self.floor_light.draw(encoder, frame, &maps.rough, quality);
             self.floor_blur.draw(encoder, &maps.floor);
         }

@@ -3,6 +3,7 @@
 use crate::frame::Frame;
 use crate::render::camera::Camera;
 use crate::render::compose_pass::{ComposePass, SceneTextures};
+use crate::render::depth_pass::Casters;
 use crate::render::enlarge_pass::{EnlargePass, SmallPicture};
 use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
 use crate::render::framing::Floor;
@@ -81,6 +82,8 @@ pub struct Renderer {
     geometry: GeometryBuilder,
     prepared: Option<Prepared>,
     vertices: wgpu::Buffer,
+    caster_positions: wgpu::Buffer,
+    caster_corners: wgpu::Buffer,
     textures: Option<SceneTextures>,
     small: Option<SmallPicture>,
     known: Option<Known>,
@@ -100,8 +103,8 @@ struct Known {
 #[derive(Clone, Copy, Debug)]
 struct Triangles {
     count: u32,
-    /// The first so many are of bodies and cast shadows.
-    of_bodies: u32,
+    /// Corners of the triangles that cast shadows.
+    of_casters: u32,
     /// See [`Geometry`].
     bounds_m: Option<(Vec3, Vec3)>,
     body_radius_m: f32,
@@ -111,7 +114,7 @@ impl From<&Geometry> for Triangles {
     fn from(geometry: &Geometry) -> Self {
         Self {
             count: geometry.vertices.len() as u32,
-            of_bodies: geometry.of_bodies as u32,
+            of_casters: 3 * geometry.caster_triangles.len() as u32,
             bounds_m: geometry.bounds_m,
             body_radius_m: geometry.body_radius_m,
         }
@@ -136,7 +139,9 @@ impl Renderer {
             overlay: Overlay::new(device, target_format),
             geometry: GeometryBuilder::default(),
             prepared: None,
-            vertices: vertex_buffer(device, 1 << 16),
+            vertices: new_buffer(device, wgpu::BufferUsages::VERTEX, 1 << 16),
+            caster_positions: new_buffer(device, wgpu::BufferUsages::VERTEX, 1 << 14),
+            caster_corners: new_buffer(device, wgpu::BufferUsages::INDEX, 1 << 14),
             textures: None,
             small: None,
             known: None,
@@ -222,9 +227,13 @@ impl Renderer {
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if lit.is_none() {
-            let casters = (&self.vertices, triangles.of_bodies);
+            let casters = Casters {
+                positions: &self.caster_positions,
+                corners: &self.caster_corners,
+                count: triangles.of_casters,
+            };
             let maps = (&self.frame, &self.light_maps[light.place()]);
-            self.light_passes.draw(&mut encoder, maps, casters, (fits.floor.is_some(), quality));
+            self.light_passes.draw(&mut encoder, maps, &casters, (fits.floor.is_some(), quality));
         }
         self.draw_scene(&mut encoder, &fits, triangles.count, quality);
         let Look { range, cross_scale_pa, .. } = look;
@@ -282,11 +291,10 @@ impl Renderer {
                 adapter: self.gpu.info.name.clone(),
             });
         }
-        if needed > self.vertices.size() {
-            // Some room to grow, so that a breaking body does not reallocate every frame.
-            self.vertices = vertex_buffer(&self.gpu.device, (needed + needed / 2).min(limit));
-        }
-        self.gpu.queue.write_buffer(&self.vertices, 0, bytes);
+        // Of the rest there is less: vertices are shared.
+        self.gpu.fill(&mut self.vertices, bytes);
+        self.gpu.fill(&mut self.caster_positions, bytemuck::cast_slice(&geometry.casters_m));
+        self.gpu.fill(&mut self.caster_corners, bytemuck::cast_slice(&geometry.caster_triangles));
         Ok(Triangles::from(geometry))
     }
 
@@ -424,11 +432,24 @@ fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme
     }
 }
 
-fn vertex_buffer(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
+impl Gpu {
+    /// Fills a buffer from its start, in place of a larger one where it is too small.
+    fn fill(&self, buffer: &mut wgpu::Buffer, bytes: &[u8]) {
+        let needed = bytes.len() as u64;
+        if needed > buffer.size() {
+            // Some room to grow, so that a breaking body does not reallocate every frame.
+            let size = (needed + needed / 2).min(self.device.limits().max_buffer_size.max(needed));
+            *buffer = new_buffer(&self.device, buffer.usage(), size);
+        }
+        self.queue.write_buffer(buffer, 0, bytes);
+    }
+}
+
+fn new_buffer(device: &wgpu::Device, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("surface vertices"),
+        label: Some("surface"),
         size: size.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
-        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
 }

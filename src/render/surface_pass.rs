@@ -12,7 +12,7 @@ use wgpu::{BindingResource, BindingType};
 pub(crate) const WGSL: &str = include_str!("../../shaders/surface_pass.wgsl");
 
 /// How a [`SurfaceVertex`] lies in a vertex buffer.
-pub(crate) const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<SurfaceVertex>() as u64,
     step_mode: wgpu::VertexStepMode::Vertex,
     attributes: &wgpu::vertex_attr_array![
