@@ -2,7 +2,6 @@
 
 use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts, SCENE_FORMAT};
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
-use crate::render::light_maps::LightDetail;
 use wgpu::{BindingResource, BindingType, TextureFormat, TextureUsages};
 
 pub(crate) const WGSL: &str = include_str!("../../shaders/compose_pass.wgsl");
@@ -11,8 +10,8 @@ pub(crate) const WGSL: &str = include_str!("../../shaders/compose_pass.wgsl");
 pub(crate) struct ComposePass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
-    /// By [`LightDetail`].
-    floor_lights: [wgpu::TextureView; 2],
+    /// By set of light maps.
+    floor_lights: [wgpu::TextureView; 3],
     sampler: wgpu::Sampler,
 }
 
@@ -26,15 +25,15 @@ pub(crate) struct SceneTextures {
     pub depth: wgpu::TextureView,
     /// One sample per pixel.
     pub resolved: wgpu::TextureView,
-    /// By [`LightDetail`].
-    groups: [wgpu::BindGroup; 2],
+    /// By set of light maps.
+    groups: [wgpu::BindGroup; 3],
 }
 
 impl ComposePass {
     pub fn new(
         device: &wgpu::Device,
         frame: &FrameBinding,
-        floor_lights: [&wgpu::TextureView; 2],
+        floor_lights: [&wgpu::TextureView; 3],
         target_format: TextureFormat,
     ) -> Self {
         let types = [
@@ -96,11 +95,11 @@ impl ComposePass {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         frame: &FrameBinding,
-        (textures, light): (&SceneTextures, LightDetail),
+        (textures, light_set): (&SceneTextures, usize),
     ) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &frame.group, &[]);
-        pass.set_bind_group(1, &textures.groups[light.place()], &[]);
+        pass.set_bind_group(1, &textures.groups[light_set], &[]);
         pass.draw(0..3, 0..1);
     }
 }

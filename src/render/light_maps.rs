@@ -6,7 +6,7 @@ use crate::render::floor_light_pass::{FloorLightPass, FloorMap};
 use crate::render::frame_uniforms::FrameBinding;
 use crate::render::quality::Quality;
 
-/// Which of the maps.
+/// How fine maps are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LightDetail {
     /// For pictures that last.
@@ -15,17 +15,20 @@ pub(crate) enum LightDetail {
     Draft,
 }
 
-impl LightDetail {
-    /// Both, in the order of arrays of what belongs to them.
-    pub const ALL: [Self; 2] = [Self::Fine, Self::Draft];
+/// Sets of maps: a fine one, and a draft one for the triangles seen and for those to come, see [`LightDetail::place`].
+pub(crate) const SETS: [LightDetail; 3] = [LightDetail::Fine, LightDetail::Draft, LightDetail::Draft];
 
+impl LightDetail {
     pub fn of(quality: Quality) -> Self {
         if quality.is_draft { Self::Draft } else { Self::Fine }
     }
 
-    /// Its place in such an array.
-    pub fn place(self) -> usize {
-        self as usize
+    /// Place of the maps among [`SETS`] of what is in one of two sets of triangles.
+    pub fn place(self, triangles: usize) -> usize {
+        match self {
+            Self::Fine => 0,
+            Self::Draft => 1 + triangles,
+        }
     }
 
     /// Whether maps of this detail serve where `wanted` ones are: a draft is content with better light.
@@ -35,12 +38,15 @@ impl LightDetail {
 
     /// Side of the key light's shadow map, texels.
     pub fn shadow_side_px(self) -> u32 {
-        [1024, 512][self.place()]
+        match self {
+            Self::Fine => 1024,
+            Self::Draft => 512,
+        }
     }
 
     /// Side of the map of heights above the floor, and of the floor's light map, texels.
     fn floor_side_px(self) -> u32 {
-        [256, 128][self.place()]
+        self.shadow_side_px() / 4
     }
 }
 
@@ -80,19 +86,21 @@ impl LightPasses {
         LightMaps { shadow, height, rough, floor }
     }
 
-    /// Fills the maps; those of the floor only where there is one.
-    pub fn draw(
+    /// Fills the shadow map.
+    pub fn draw_shadow(&self, encoder: &mut wgpu::CommandEncoder, maps: &LightMaps, casters: &Casters<'_>) {
+        self.depth.draw(encoder, (&maps.shadow, Seen::FromAbove), casters);
+    }
+
+    /// Fills the maps of the floor, after the shadow map.
+    pub fn draw_floor(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (frame, maps): (&FrameBinding, &LightMaps),
         casters: &Casters<'_>,
-        (has_floor, quality): (bool, Quality),
+        quality: Quality,
     ) {
-        self.depth.draw(encoder, (&maps.shadow, Seen::FromAbove), casters);
-        if has_floor {
-            self.depth.draw(encoder, (&maps.height, Seen::FromBelow), casters);
-            self.floor_light.draw(encoder, frame, &maps.rough, quality);
-            self.floor_blur.draw(encoder, &maps.floor);
-        }
+        self.depth.draw(encoder, (&maps.height, Seen::FromBelow), casters);
+        self.floor_light.draw(encoder, frame, &maps.rough, quality);
+        self.floor_blur.draw(encoder, &maps.floor);
     }
 }

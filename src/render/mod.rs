@@ -66,6 +66,7 @@ mod renderer;
 mod section;
 mod surface_pass;
 mod theme;
+mod triangles;
 mod view;
 
 pub use camera::{Camera, NamedView, Ray, UnknownView};

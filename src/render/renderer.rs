@@ -3,19 +3,19 @@
 use crate::frame::Frame;
 use crate::render::camera::Camera;
 use crate::render::compose_pass::{ComposePass, SceneTextures};
-use crate::render::depth_pass::Casters;
 use crate::render::enlarge_pass::{EnlargePass, SmallPicture};
 use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
 use crate::render::framing::Floor;
-use crate::render::geometry::{Geometry, GeometryBuilder, SurfaceVertex};
+use crate::render::geometry::GeometryBuilder;
 use crate::render::gpu::{Gpu, GpuError};
 use crate::render::light::{FloorFit, KEY_LIGHT_SPREAD, ShadowFit, TOWARDS_KEY_LIGHT};
-use crate::render::light_maps::{LightDetail, LightMaps, LightPasses};
+use crate::render::light_maps::{LightDetail, LightMaps, LightPasses, SETS};
 use crate::render::overlay::{Overlay, OverlayContent, Placement, map_of};
 use crate::render::prepared::{Look, Prepared};
 use crate::render::quality::Quality;
 use crate::render::surface_pass::{SurfacePass, map_row};
 use crate::render::theme::Theme;
+use crate::render::triangles::{TriangleBuffers, Triangles};
 use crate::render::view::View;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -73,20 +73,21 @@ pub struct Renderer {
     gpu: Gpu,
     frame: FrameBinding,
     light_passes: LightPasses,
-    /// By [`LightDetail`].
-    light_maps: [LightMaps; 2],
+    /// By place among [`SETS`].
+    light_maps: [LightMaps; 3],
     surface_pass: SurfacePass,
     compose_pass: ComposePass,
     enlarge_pass: EnlargePass,
     overlay: Overlay,
     geometry: GeometryBuilder,
     prepared: Option<Prepared>,
-    vertices: wgpu::Buffer,
-    caster_positions: wgpu::Buffer,
-    caster_corners: wgpu::Buffer,
+    /// Those of which pictures are drawn, and those to come; `front` is the place of the former.
+    buffers: [TriangleBuffers; 2],
+    front: usize,
+    known: Option<Known>,
+    coming: Option<Coming>,
     textures: Option<SceneTextures>,
     small: Option<SmallPicture>,
-    known: Option<Known>,
 }
 
 /// What vertices and light maps on the GPU were made of.
@@ -95,29 +96,23 @@ struct Known {
     frame: Arc<Frame>,
     view: View,
     look: Look,
-    light: LightDetail,
     triangles: Triangles,
+    /// `None` as long as the maps are of something else.
+    light: Option<LightDetail>,
 }
 
-/// The vertices on the GPU.
-#[derive(Clone, Copy, Debug)]
-struct Triangles {
-    count: u32,
-    /// Corners of the triangles that cast shadows.
-    of_casters: u32,
-    /// See [`Geometry`].
-    bounds_m: Option<(Vec3, Vec3)>,
-    body_radius_m: f32,
+/// What is being brought to the GPU while pictures of something else are drawn.
+#[derive(Debug)]
+struct Coming {
+    known: Known,
+    /// Whether only the light on the floor is left to do.
+    has_shadow: bool,
+    is_ready: bool,
 }
 
-impl From<&Geometry> for Triangles {
-    fn from(geometry: &Geometry) -> Self {
-        Self {
-            count: geometry.vertices.len() as u32,
-            of_casters: 3 * geometry.caster_triangles.len() as u32,
-            bounds_m: geometry.bounds_m,
-            body_radius_m: geometry.body_radius_m,
-        }
+impl Known {
+    fn is_of(&self, frame: &Arc<Frame>, view: &View) -> bool {
+        Arc::ptr_eq(&self.frame, frame) && self.view == *view
     }
 }
 
@@ -129,7 +124,7 @@ impl Renderer {
         let device = &gpu.device;
         let frame = FrameBinding::new(device);
         let light_passes = LightPasses::new(device, &frame);
-        let light_maps = LightDetail::ALL.map(|detail| light_passes.new_maps(device, detail));
+        let light_maps = SETS.map(|detail| light_passes.new_maps(device, detail));
         let shadows = light_maps.each_ref().map(|maps| &maps.shadow);
         let floor_lights = light_maps.each_ref().map(|maps| &maps.floor.view);
         Self {
@@ -139,12 +134,12 @@ impl Renderer {
             overlay: Overlay::new(device, target_format),
             geometry: GeometryBuilder::default(),
             prepared: None,
-            vertices: new_buffer(device, wgpu::BufferUsages::VERTEX, 1 << 16),
-            caster_positions: new_buffer(device, wgpu::BufferUsages::VERTEX, 1 << 14),
-            caster_corners: new_buffer(device, wgpu::BufferUsages::INDEX, 1 << 14),
+            buffers: [TriangleBuffers::new(device), TriangleBuffers::new(device)],
+            front: 0,
+            known: None,
+            coming: None,
             textures: None,
             small: None,
-            known: None,
             gpu: gpu.clone(),
             frame,
             light_passes,
@@ -185,15 +180,58 @@ impl Renderer {
         self.draw(target, (frame, Some(frame)), (camera, view), quality)
     }
 
-    /// Has another thread build the triangles of a frame that [`Self::render_again`] is to draw next, and tells whether
-    /// it need not wait for them: ask again until then. Only one frame is prepared at a time.
-    pub fn prepare(&mut self, frame: &Arc<Frame>, view: &View) -> bool {
+    /// Makes ready for a frame that [`Self::render_again`] is to draw next, and tells whether it is: another thread builds
+    /// its triangles, which then come to the GPU and, for drafts, their light piece by piece, one at each call. Only one
+    /// frame is prepared at a time.
+    pub fn prepare(&mut self, frame: &Arc<Frame>, view: &View, quality: Quality) -> bool {
+        if self.coming.as_ref().is_some_and(|coming| coming.known.is_of(frame, view)) {
+            return self.light_what_comes(quality);
+        }
         let is_free = self.prepared.as_ref().is_none_or(Prepared::is_ready);
         if is_free && self.prepared.as_ref().is_none_or(|prepared| !prepared.is_of(frame, view)) {
             let builder = self.prepared.take().map(Prepared::into_builder).unwrap_or_default();
             self.prepared = Some(Prepared::start(frame, view, builder));
         }
-        self.prepared.as_ref().is_some_and(|prepared| prepared.is_of(frame, view) && prepared.is_ready())
+        let Some(prepared) = self.prepared.as_mut().filter(|it| it.is_of(frame, view) && it.is_ready())
+        else {
+            return false;
+        };
+        let Some((builder, look)) = prepared.built() else { return true };
+        // Too many are told of by whoever draws them.
+        let Ok(triangles) = self.buffers[1 - self.front].upload(&self.gpu, builder.geometry()) else {
+            return true;
+        };
+        let known = Known { frame: frame.clone(), view: view.clone(), look, triangles, light: None };
+        self.coming = Some(Coming { known, has_shadow: false, is_ready: false });
+        self.light_what_comes(quality)
+    }
+
+    /// A piece of the light on what is to come; tells whether that is ready.
+    fn light_what_comes(&mut self, quality: Quality) -> bool {
+        let Some(Coming { known, has_shadow, is_ready }) = &mut self.coming else { return false };
+        let light = LightDetail::of(quality);
+        if light == LightDetail::Fine || *is_ready {
+            return true;
+        }
+        let back = 1 - self.front;
+        let fits = Fits::new(&known.triangles, known.look.floor, light);
+        let maps = &self.light_maps[light.place(back)];
+        let casters = self.buffers[back].casters(&known.triangles);
+        fits.write_matrices(&self.gpu.queue, maps);
+        self.frame.write(&self.gpu.queue, &light_uniforms(&fits));
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        if !*has_shadow {
+            self.light_passes.draw_shadow(&mut encoder, maps, &casters);
+            *has_shadow = true;
+            *is_ready = fits.floor.is_none();
+        } else {
+            self.light_passes.draw_floor(&mut encoder, (&self.frame, maps), &casters, quality);
+            *is_ready = true;
+        }
+        known.light = is_ready.then_some(light);
+        let is_ready = *is_ready;
+        self.gpu.queue.submit([encoder.finish()]);
+        is_ready
     }
 
     fn draw(
@@ -207,95 +245,71 @@ impl Renderer {
             return Ok(());
         }
         self.gpu.check_size(target.size_px)?;
-        let before =
-            self.known.take().filter(|known| shared.is_some_and(|frame| Arc::ptr_eq(frame, &known.frame)));
-        let known_look = before.as_ref().filter(|known| known.view == *view).map(|known| known.look);
-        let prepared_look = shared.and_then(|frame| self.built(frame, view)).map(|(_, look)| look);
-        let look = known_look.or(prepared_look).unwrap_or_else(|| Look::of(frame, view));
-        let before =
-            before.filter(|known| (known.look.coloring, known.look.floor) == (look.coloring, look.floor));
-        let triangles = match &before {
-            Some(known) => known.triangles,
-            None => self.upload((frame, shared), view, look)?,
+        let mut known = match self.known_of(shared, view) {
+            Some(known) => known,
+            None => self.upload((frame, shared), view)?,
         };
-        let wanted = LightDetail::of(quality);
-        let lit = before.map(|known| known.light).filter(|light| light.serves(wanted));
-        let light = lit.unwrap_or(wanted);
-        let fits = Fits::new(&triangles, look.floor, light);
+        let light = known.light.filter(|light| light.serves(LightDetail::of(quality)));
+        let is_lit = light.is_some();
+        let light = light.unwrap_or(LightDetail::of(quality));
+        let light_set = light.place(self.front);
+        let fits = Fits::new(&known.triangles, known.look.floor, light);
         self.write_uniforms(target, (camera, view), &fits, quality);
         self.fit_textures(target.size_px, quality);
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        if lit.is_none() {
-            let casters = Casters {
-                positions: &self.caster_positions,
-                corners: &self.caster_corners,
-                count: triangles.of_casters,
-            };
-            let maps = (&self.frame, &self.light_maps[light.place()]);
-            self.light_passes.draw(&mut encoder, maps, &casters, (fits.floor.is_some(), quality));
+        if !is_lit {
+            let maps = &self.light_maps[light_set];
+            let casters = self.buffers[self.front].casters(&known.triangles);
+            fits.write_matrices(&self.gpu.queue, maps);
+            self.light_passes.draw_shadow(&mut encoder, maps, &casters);
+            if fits.floor.is_some() {
+                self.light_passes.draw_floor(&mut encoder, (&self.frame, maps), &casters, quality);
+            }
         }
-        self.draw_scene(&mut encoder, &fits, triangles.count, quality);
-        let Look { range, cross_scale_pa, .. } = look;
+        let detail = (quality, light_set);
+        self.draw_scene(&mut encoder, (known.triangles.count, fits.is_cut_by_floor), detail);
+        let Look { range, cross_scale_pa, .. } = known.look;
         let content = OverlayContent { view, time_s: frame.time_s, range, cross_scale_pa };
-        self.draw_on_target(&mut encoder, (target, light), &content);
+        self.draw_on_target(&mut encoder, (target, light_set), &content);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.check().inspect_err(|_| {
             // They may be what failed; the next picture gets new ones.
             self.textures = None;
         })?;
-        self.known =
-            shared.map(|frame| Known { frame: frame.clone(), view: view.clone(), look, light, triangles });
+        known.light = Some(light);
+        self.known = shared.map(|_| known);
         Ok(())
     }
 
-    /// What was built in advance of a frame in a view.
-    fn built(&mut self, frame: &Arc<Frame>, view: &View) -> Option<(&GeometryBuilder, Look)> {
-        self.prepared.as_mut().filter(|prepared| prepared.is_of(frame, view))?.built()
+    /// What is on the GPU of a frame, if its triangles are what `view` wants.
+    fn known_of(&mut self, frame: Option<&Arc<Frame>>, view: &View) -> Option<Known> {
+        let (known, frame) = (self.known.take(), frame?);
+        let is_coming = |coming: &mut Coming| coming.known.is_of(frame, view);
+        if let Some(coming) = self.coming.take_if(is_coming) {
+            self.front = 1 - self.front;
+            return Some(coming.known);
+        }
+        let mut known = known.filter(|known| Arc::ptr_eq(&known.frame, frame))?;
+        if known.view != *view {
+            let look = Look::of(frame, view);
+            let is_same = (known.look.coloring, known.look.floor) == (look.coloring, look.floor);
+            known = Known { view: view.clone(), look, ..Some(known).filter(|_| is_same)? };
+        }
+        Some(known)
     }
 
-    /// Brings the frame's triangles to the GPU.
+    /// Builds the frame's triangles and brings them to the GPU; of a frame that is not `shared` nothing will be known.
     fn upload(
         &mut self,
         (frame, shared): (&Frame, Option<&Arc<Frame>>),
         view: &View,
-        look: Look,
-    ) -> Result<Triangles, GpuError> {
-        // Taken out of `self` for a while, which is written to.
-        let mut prepared = self.prepared.take();
-        let is_of = |prepared: &&mut Prepared| shared.is_some_and(|frame| prepared.is_of(frame, view));
-        let built = prepared.as_mut().filter(is_of).and_then(Prepared::built);
-        let uploaded = match built {
-            Some((builder, _)) => self.upload_vertices(builder.geometry()),
-            None => {
-                let mut builder = std::mem::take(&mut self.geometry);
-                builder.build(frame, look.hidden(), look.coloring);
-                let uploaded = self.upload_vertices(builder.geometry());
-                self.geometry = builder;
-                uploaded
-            }
-        };
-        self.prepared = prepared;
-        uploaded
-    }
-
-    fn upload_vertices(&mut self, geometry: &Geometry) -> Result<Triangles, GpuError> {
-        let vertices = &geometry.vertices;
-        let bytes: &[u8] = bytemuck::cast_slice(vertices);
-        let needed = bytes.len() as u64;
-        let limit = self.gpu.device.limits().max_buffer_size.min(1 << 31);
-        if needed > limit {
-            return Err(GpuError::TooManyTriangles {
-                triangles: vertices.len() / 3,
-                limit: limit as usize / size_of::<[SurfaceVertex; 3]>(),
-                adapter: self.gpu.info.name.clone(),
-            });
-        }
-        // Of the rest there is less: vertices are shared.
-        self.gpu.fill(&mut self.vertices, bytes);
-        self.gpu.fill(&mut self.caster_positions, bytemuck::cast_slice(&geometry.casters_m));
-        self.gpu.fill(&mut self.caster_corners, bytemuck::cast_slice(&geometry.caster_triangles));
-        Ok(Triangles::from(geometry))
+    ) -> Result<Known, GpuError> {
+        let look = Look::of(frame, view);
+        let geometry = self.geometry.build(frame, look.hidden(), look.coloring);
+        let triangles = self.buffers[self.front].upload(&self.gpu, geometry)?;
+        let frame = shared.cloned().unwrap_or_default();
+        Ok(Known { frame, view: view.clone(), look, triangles, light: None })
     }
 
     fn write_uniforms(
@@ -313,11 +327,6 @@ impl Renderer {
             uniforms.wire_width = (view.pixels_per_point * quality.share()).max(1.0);
         }
         self.frame.write(queue, &uniforms);
-        let maps = &self.light_maps[fits.light.place()];
-        maps.shadow.set_matrix(queue, fits.shadow.shadow_from_world);
-        if let Some(floor) = &fits.floor {
-            maps.height.set_matrix(queue, floor.heights_from_world());
-        }
     }
 
     fn fit_textures(&mut self, target_px: [u32; 2], quality: Quality) {
@@ -331,20 +340,25 @@ impl Renderer {
         }
     }
 
-    fn draw_scene(&self, encoder: &mut wgpu::CommandEncoder, fits: &Fits, count: u32, quality: Quality) {
+    fn draw_scene(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        (count, is_cut_by_floor): (u32, bool),
+        detail: (Quality, usize),
+    ) {
         let Some(textures) = &self.textures else {
             return;
         };
         let mut pass = begin_scene(encoder, textures);
         pass.set_bind_group(0, &self.frame.group, &[]);
-        let detail = (quality, fits.light);
-        self.surface_pass.draw(&mut pass, (&self.vertices, count), fits.is_cut_by_floor, detail);
+        let vertices = &self.buffers[self.front].vertices;
+        self.surface_pass.draw(&mut pass, (vertices, count), is_cut_by_floor, detail);
     }
 
     fn draw_on_target(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        (target, light): (Target<'_>, LightDetail),
+        (target, light_set): (Target<'_>, usize),
         content: &OverlayContent<'_>,
     ) {
         let placement = Placement {
@@ -355,7 +369,7 @@ impl Renderer {
         self.overlay.prepare(&self.gpu, encoder, placement, content);
         if let (Some(small), Some(textures)) = (&self.small, &self.textures) {
             let mut pass = begin_target(encoder, &Target::whole(&small.view));
-            self.compose_pass.draw(&mut pass, &self.frame, (textures, light));
+            self.compose_pass.draw(&mut pass, &self.frame, (textures, light_set));
         }
         let mut pass = begin_target(encoder, &target).forget_lifetime();
         let [x, y] = target.origin_px.map(|px| px as f32);
@@ -363,7 +377,7 @@ impl Renderer {
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
         match (&self.small, &self.textures) {
             (Some(small), _) => self.enlarge_pass.draw(&mut pass, small),
-            (None, Some(textures)) => self.compose_pass.draw(&mut pass, &self.frame, (textures, light)),
+            (None, Some(textures)) => self.compose_pass.draw(&mut pass, &self.frame, (textures, light_set)),
             (None, None) => {}
         }
         self.overlay.draw(&mut pass);
@@ -391,67 +405,59 @@ impl Fits {
             floor: floor.map(|floor| FloorFit::around(bounds, floor.height_m, reach_m)),
         }
     }
+
+    fn write_matrices(&self, queue: &wgpu::Queue, maps: &LightMaps) {
+        maps.shadow.set_matrix(queue, self.shadow.shadow_from_world);
+        if let Some(floor) = &self.floor {
+            maps.height.set_matrix(queue, floor.heights_from_world());
+        }
+    }
+}
+
+/// What the passes of the light need.
+fn light_uniforms(fits: &Fits) -> FrameUniforms {
+    let floor = fits.floor;
+    FrameUniforms {
+        shadow_from_world: fits.shadow.shadow_from_world.to_cols_array_2d(),
+        shadow_texel: fits.shadow.side_m / fits.light.shadow_side_px() as f32,
+        shadow_depth: fits.shadow.depth_m,
+        light_spread: KEY_LIGHT_SPREAD,
+        floor_height: floor.map_or(-1e9, |floor| floor.height_m),
+        floor_map_low: floor.map_or(Vec2::ZERO, |floor| floor.low_m).to_array(),
+        floor_map_side: floor.map_or(1.0, |floor| floor.side_m),
+        // Without a floor nothing is near it.
+        floor_reach: floor.map_or(1e-9, |floor| floor.reach_m),
+        ..FrameUniforms::default()
+    }
 }
 
 fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme: &Theme) -> FrameUniforms {
-    let floor = fits.floor;
     let [corner, right, up] = camera.picture_rays(target.aspect());
     FrameUniforms {
         clip_from_world: camera.clip_from_world(target.aspect()).to_cols_array_2d(),
-        shadow_from_world: fits.shadow.shadow_from_world.to_cols_array_2d(),
         eye: camera.eye_m().to_array(),
         wireframe: f32::from(u8::from(view.wireframe)),
         towards_light: TOWARDS_KEY_LIGHT.normalize().to_array(),
-        shadow_texel: fits.shadow.side_m / fits.light.shadow_side_px() as f32,
         key_light: theme.key_light.to_array(),
         wire_width: view.pixels_per_point.max(1.0),
         sky_light: theme.sky_light.to_array(),
-        floor_height: floor.map_or(-1e9, |floor| floor.height_m),
         bounce_light: theme.bounce_light.to_array(),
         floor_radius: FLOOR_RADIUS * camera.distance_m,
         rim_light: theme.rim_light.to_array(),
         map_row: map_row(map_of(view.color_by)),
         background_low: theme.background_low.to_array(),
-        shadow_depth: fits.shadow.depth_m,
         background_high: theme.background_high.to_array(),
         shadow_strength: theme.shadow_strength,
         floor_color: theme.floor_color.to_array(),
-        light_spread: KEY_LIGHT_SPREAD,
         wire_color: theme.wire_color.to_array(),
         wire_opacity: theme.wire_opacity,
         floor_center: camera.target_m.truncate().to_array(),
-        floor_map_low: floor.map_or(Vec2::ZERO, |floor| floor.low_m).to_array(),
-        floor_map_side: floor.map_or(1.0, |floor| floor.side_m),
-        // Without a floor nothing is near it.
-        floor_reach: floor.map_or(1e-9, |floor| floor.reach_m),
         picture_origin: target.origin_px.map(|px| px as f32),
         ray_corner: corner.to_array(),
         ray_right: right.to_array(),
         ray_up: up.to_array(),
-        ..FrameUniforms::default()
+        ..light_uniforms(fits)
     }
-}
-
-impl Gpu {
-    /// Fills a buffer from its start, in place of a larger one where it is too small.
-    fn fill(&self, buffer: &mut wgpu::Buffer, bytes: &[u8]) {
-        let needed = bytes.len() as u64;
-        if needed > buffer.size() {
-            // Some room to grow, so that a breaking body does not reallocate every frame.
-            let size = (needed + needed / 2).min(self.device.limits().max_buffer_size.max(needed));
-            *buffer = new_buffer(&self.device, buffer.usage(), size);
-        }
-        self.queue.write_buffer(buffer, 0, bytes);
-    }
-}
-
-fn new_buffer(device: &wgpu::Device, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("surface"),
-        size: size.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
 }
 
 fn begin_scene<'e>(encoder: &'e mut wgpu::CommandEncoder, textures: &SceneTextures) -> wgpu::RenderPass<'e> {

@@ -5,7 +5,6 @@ use crate::render::color_map::{ColorMap, TABLE_LENGTH};
 use crate::render::depth_pass::DepthMap;
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
 use crate::render::geometry::SurfaceVertex;
-use crate::render::light_maps::LightDetail;
 use crate::render::quality::Quality;
 use wgpu::{BindingResource, BindingType};
 
@@ -27,8 +26,8 @@ const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayou
 pub(crate) struct SurfacePass {
     fine: Pipelines,
     draft: Pipelines,
-    /// By [`LightDetail`].
-    groups: [wgpu::BindGroup; 2],
+    /// By set of light maps.
+    groups: [wgpu::BindGroup; 3],
 }
 
 /// For one quality.
@@ -39,7 +38,7 @@ struct Pipelines {
 }
 
 impl SurfacePass {
-    pub fn new(gpu: (&wgpu::Device, &wgpu::Queue), frame: &FrameBinding, shadows: [&DepthMap; 2]) -> Self {
+    pub fn new(gpu: (&wgpu::Device, &wgpu::Queue), frame: &FrameBinding, shadows: [&DepthMap; 3]) -> Self {
         let (device, queue) = gpu;
         let layout = bindings::layout(
             device,
@@ -94,11 +93,11 @@ impl SurfacePass {
         pass: &mut wgpu::RenderPass<'_>,
         (vertices, count): (&wgpu::Buffer, u32),
         cut: bool,
-        (quality, light): (Quality, LightDetail),
+        (quality, light_set): (Quality, usize),
     ) {
         let pipelines = if quality.is_draft { &self.draft } else { &self.fine };
         pass.set_pipeline(if cut { &pipelines.above_floor } else { &pipelines.all });
-        pass.set_bind_group(1, &self.groups[light.place()], &[]);
+        pass.set_bind_group(1, &self.groups[light_set], &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..count, 0..1);
     }

@@ -219,7 +219,7 @@ impl Stage {
                 wanted.clone()
             }
         };
-        if self.renderer.prepare(&coming.0, &coming.2) {
+        if self.renderer.prepare(&coming.0, &coming.2, steering.in_motion()) {
             return ((coming.0, wanted.1, coming.2), None);
         }
         self.coming = Some(coming);
