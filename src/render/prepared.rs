@@ -1,12 +1,13 @@
-//! Triangles of a frame to come, built by another thread while pictures of the one before are drawn.
+//! Triangles of a frame to come, built by other threads while pictures of the one before are drawn.
 
 use crate::frame::Frame;
 use crate::render::framing::{Floor, Framing};
 use crate::render::geometry::{Coloring, GeometryBuilder};
 use crate::render::range::Range;
 use crate::render::view::{Ground, View};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::thread::JoinHandle;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// What of a view has to be worked out from the frame that is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,24 +51,32 @@ pub(crate) struct Prepared {
 
 #[derive(Debug)]
 enum State {
-    Building(JoinHandle<(GeometryBuilder, Look)>),
-    Done(GeometryBuilder, Look),
-    /// The thread could not be started or broke off: whoever needs the triangles builds them.
+    Building(Receiver<Box<(GeometryBuilder, Look)>>),
+    Done(Box<(GeometryBuilder, Look)>),
+    /// Building broke off: whoever needs the triangles builds them.
     Failed,
 }
 
 impl Prepared {
-    /// Starts building; `builder` knows the topologies of the frames before.
-    pub fn start(frame: &Arc<Frame>, view: &View, mut builder: GeometryBuilder) -> Self {
+    /// Has `workers` build; `builder` knows the topologies of the frames before.
+    pub fn start(
+        frame: &Arc<Frame>,
+        view: &View,
+        mut builder: GeometryBuilder,
+        workers: &rayon::ThreadPool,
+    ) -> Self {
         let (of, seen_in) = (frame.clone(), view.clone());
-        let build = move || {
-            let look = Look::of(&of, &seen_in);
-            builder.build(&of, look.hidden(), look.coloring);
-            (builder, look)
-        };
-        let thread = std::thread::Builder::new().name("triangles".to_owned()).spawn(build);
-        let state = thread.map_or(State::Failed, State::Building);
-        Self { frame: frame.clone(), view: view.clone(), state }
+        let (sender, receiver) = channel();
+        workers.spawn(move || {
+            let build = AssertUnwindSafe(move || {
+                let look = Look::of(&of, &seen_in);
+                builder.build(&of, look.hidden(), look.coloring);
+                (builder, look)
+            });
+            // The hook has told about a panic. Nobody may be waiting any more.
+            let _ = catch_unwind(build).map(|built| sender.send(Box::new(built)).is_ok());
+        });
+        Self { frame: frame.clone(), view: view.clone(), state: State::Building(receiver) }
     }
 
     pub fn is_of(&self, frame: &Arc<Frame>, view: &View) -> bool {
@@ -75,30 +84,25 @@ impl Prepared {
     }
 
     /// Whether nothing is to be waited for.
-    pub fn is_ready(&self) -> bool {
-        match &self.state {
-            State::Building(thread) => thread.is_finished(),
-            State::Done(..) | State::Failed => true,
+    pub fn is_ready(&mut self) -> bool {
+        if let State::Building(receiver) = &self.state {
+            self.state = match receiver.try_recv() {
+                Ok(built) => State::Done(built),
+                Err(TryRecvError::Empty) => return false,
+                Err(TryRecvError::Disconnected) => State::Failed,
+            };
         }
+        true
     }
 
-    /// What was built; waits for it. `None` where that failed.
-    pub fn built(&mut self) -> Option<(&GeometryBuilder, Look)> {
-        if matches!(self.state, State::Building(_))
-            && let State::Building(thread) = std::mem::replace(&mut self.state, State::Failed)
-        {
-            self.state = thread.join().map_or(State::Failed, |(builder, look)| State::Done(builder, look));
-        }
-        match &self.state {
-            State::Done(builder, look) => Some((builder, *look)),
-            State::Building(_) | State::Failed => None,
-        }
+    /// What was built; `None` as long as it is not ready, and where that failed.
+    pub fn built(&self) -> Option<(&GeometryBuilder, Look)> {
+        if let State::Done(built) = &self.state { Some((&built.0, built.1)) } else { None }
     }
 
     /// The builder, for the next frame.
-    pub fn into_builder(mut self) -> GeometryBuilder {
-        let _ = self.built();
-        if let State::Done(builder, _) = self.state { builder } else { GeometryBuilder::default() }
+    pub fn into_builder(self) -> GeometryBuilder {
+        if let State::Done(built) = self.state { built.0 } else { GeometryBuilder::default() }
     }
 }
 
@@ -119,14 +123,14 @@ mod tests {
         let mut here = GeometryBuilder::default();
         let look = Look::of(&frame, &view);
         here.build(&frame, look.hidden(), look.coloring);
-        let mut prepared = Prepared::start(&frame, &view, GeometryBuilder::default());
+        let workers = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let mut prepared = Prepared::start(&frame, &view, GeometryBuilder::default(), &workers);
         assert!(prepared.is_of(&frame, &view) && !prepared.is_of(&Arc::new(Frame::default()), &view));
-        // It may be asked for more than once.
-        for _ in 0..2 {
-            let (there, its_look) = prepared.built().unwrap();
-            assert_eq!((&there.geometry().vertices, its_look), (&here.geometry().vertices, look));
+        while !prepared.is_ready() {
+            std::thread::yield_now();
         }
-        assert!(prepared.is_ready());
+        let (there, its_look) = prepared.built().unwrap();
+        assert_eq!((&there.geometry().vertices, its_look), (&here.geometry().vertices, look));
         assert_eq!(prepared.into_builder().geometry().vertices.len(), 3);
     }
 }

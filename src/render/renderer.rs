@@ -180,22 +180,27 @@ impl Renderer {
         self.draw(target, (frame, Some(frame)), (camera, view), quality)
     }
 
-    /// Makes ready for a frame that [`Self::render_again`] is to draw next, and tells whether it is: another thread builds
+    /// Makes ready for a frame that [`Self::render_again`] is to draw next, and tells whether it is: `workers` build
     /// its triangles, which then come to the GPU and, for drafts, their light piece by piece, one at each call. Only one
     /// frame is prepared at a time.
-    pub fn prepare(&mut self, frame: &Arc<Frame>, view: &View, quality: Quality) -> bool {
+    pub fn prepare(
+        &mut self,
+        frame: &Arc<Frame>,
+        view: &View,
+        (quality, workers): (Quality, &rayon::ThreadPool),
+    ) -> bool {
         if self.coming.as_ref().is_some_and(|coming| coming.known.is_of(frame, view)) {
             return self.light_what_comes(quality);
         }
-        let is_free = self.prepared.as_ref().is_none_or(Prepared::is_ready);
+        let is_free = self.prepared.as_mut().is_none_or(Prepared::is_ready);
         if is_free && self.prepared.as_ref().is_none_or(|prepared| !prepared.is_of(frame, view)) {
             let builder = self.prepared.take().map(Prepared::into_builder).unwrap_or_default();
-            self.prepared = Some(Prepared::start(frame, view, builder));
+            self.prepared = Some(Prepared::start(frame, view, builder, workers));
         }
-        let Some(prepared) = self.prepared.as_mut().filter(|it| it.is_of(frame, view) && it.is_ready())
-        else {
+        let Some(prepared) = &mut self.prepared else { return false };
+        if !prepared.is_of(frame, view) || !prepared.is_ready() {
             return false;
-        };
+        }
         let Some((builder, look)) = prepared.built() else { return true };
         // Too many are told of by whoever draws them.
         let Ok(triangles) = self.buffers[1 - self.front].upload(&self.gpu, builder.geometry()) else {

@@ -1,6 +1,7 @@
 //! What the window draws with, whatever it draws on: the scene's picture, and the panels painted over it.
 
 use super::app::App;
+use super::background;
 use super::damage::{Layout, around};
 use super::steering::Steering;
 use super::thumbnails;
@@ -64,6 +65,8 @@ pub struct Stage {
     picture: Option<Picture>,
     /// The moment whose triangles are being built; the one before is seen until then.
     coming: Option<Sight>,
+    /// Who builds them; nobody where the system refuses the threads.
+    workers: Option<rayon::ThreadPool>,
     thumbnails: Vec<(usize, Picture)>,
     /// Why a picture could not be drawn, as it was told last.
     told: Option<GpuError>,
@@ -94,6 +97,7 @@ impl Stage {
             can_copy,
             picture: None,
             coming: None,
+            workers: background::workers("triangles").ok(),
             thumbnails: Vec::new(),
             told: None,
             steering: None,
@@ -203,7 +207,9 @@ impl Stage {
     ) -> (Sight, Option<Duration>) {
         let coming = self.coming.take();
         let is_new = |shown: &&Sight| !Arc::ptr_eq(&shown.0, &wanted.0) && has_same_look(shown, &wanted);
-        let (Some(shown), Some(steering)) = (shown.filter(is_new), &self.steering) else {
+        let (Some(shown), Some(steering), Some(workers)) =
+            (shown.filter(is_new), &self.steering, &self.workers)
+        else {
             return (wanted, None);
         };
         let held = (shown.0.clone(), wanted.1, shown.2.clone());
@@ -219,7 +225,7 @@ impl Stage {
                 wanted.clone()
             }
         };
-        if self.renderer.prepare(&coming.0, &coming.2, steering.in_motion()) {
+        if self.renderer.prepare(&coming.0, &coming.2, (steering.in_motion(), workers)) {
             return ((coming.0, wanted.1, coming.2), None);
         }
         self.coming = Some(coming);

@@ -3,9 +3,11 @@
 use crate::compare::{gpu, screen};
 use crate::shapes::{block, frame, ground};
 use glam::Vec3;
+use hammerfall::frame::Frame;
 use hammerfall::render::{
-    Camera, Framing, Gpu, GpuError, NamedView, OffScreen, Picture, Renderer, Target, View,
+    Camera, Framing, Gpu, GpuError, NamedView, OffScreen, Picture, Quality, Renderer, Target, View,
 };
+use std::sync::Arc;
 
 const SIZE: [u32; 2] = [64, 36];
 
@@ -105,6 +107,37 @@ fn rectangle_of_a_target_is_all_that_changes() {
     let outside = Target::part(&view_of, [60, 70], [40, 30]);
     assert_eq!(outside.size_px, [4, 0]);
     renderer.render(outside, &frame, &camera, &view).unwrap();
+}
+
+#[test]
+fn pictures_of_prepared_frames_are_those_of_any() {
+    let Some(gpu) = gpu() else { return };
+    let (first, camera, view) = scene();
+    let moved = block(Vec3::new(-0.3, -0.5, 0.4), Vec3::new(0.7, 0.5, 1.6), [3; 3]);
+    let frames = [first.into(), Arc::new(frame(vec![ground(), moved]))];
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let target = texture(&gpu, SIZE, format);
+    let view_of = target.create_view(&Default::default());
+    let workers = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let mut drawn = |renderer: &mut Renderer, frame: &Arc<Frame>, quality: Quality| {
+        renderer.render_again(Target::whole(&view_of), frame, (&camera, &view), quality).unwrap();
+        read(&gpu, &target).rgba
+    };
+    for quality in [Quality::FULL, Quality::draft([1, 1]), Quality::draft([1, 2])] {
+        let (mut plain, mut preparing) = (Renderer::new(&gpu, format), Renderer::new(&gpu, format));
+        for turn in 0..4 {
+            let [shown, coming] = [turn % 2, (turn + 1) % 2].map(|place| &frames[place]);
+            let before = drawn(&mut preparing, shown, quality);
+            assert!(before == drawn(&mut plain, shown, quality), "{quality:?}, {turn}");
+            let mut calls = 0;
+            while !preparing.prepare(coming, &view, (quality, &workers)) {
+                calls += 1;
+                // Meanwhile the other one is seen as it was.
+                assert!(before == drawn(&mut preparing, shown, quality), "{quality:?}, {turn}, {calls}");
+            }
+            assert!(calls > 0 || !quality.is_draft, "{quality:?}: light comes piece by piece");
+        }
+    }
 }
 
 #[test]
