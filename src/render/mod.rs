@@ -49,6 +49,7 @@ mod compose_pass;
 mod crosses;
 mod depth_pass;
 mod enlarge_pass;
+mod fits;
 mod floor_blur_pass;
 mod floor_light_pass;
 mod frame_uniforms;
@@ -65,6 +66,7 @@ mod range;
 mod renderer;
 mod section;
 mod surface_pass;
+mod target;
 mod theme;
 mod triangles;
 mod view;
@@ -78,8 +80,9 @@ pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};
 pub use off_screen::{OffScreen, Picture};
 pub use quality::Quality;
 pub use range::{Range, parse_with_unit, short, si_prefix, with_unit};
-pub use renderer::{Renderer, Target};
+pub use renderer::Renderer;
 pub use section::Cut;
+pub use target::Target;
 pub use view::{Background, Caption, Ground, View};
 
 #[cfg(test)]

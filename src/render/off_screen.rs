@@ -3,7 +3,8 @@
 use crate::frame::Frame;
 use crate::render::camera::Camera;
 use crate::render::gpu::{Gpu, GpuError, TIME_LIMIT};
-use crate::render::renderer::{Renderer, Target};
+use crate::render::renderer::Renderer;
+use crate::render::target::Target;
 use crate::render::view::View;
 use std::sync::mpsc;
 

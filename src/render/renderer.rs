@@ -4,69 +4,20 @@ use crate::frame::Frame;
 use crate::render::camera::Camera;
 use crate::render::compose_pass::{ComposePass, SceneTextures};
 use crate::render::enlarge_pass::{EnlargePass, SmallPicture};
-use crate::render::frame_uniforms::{FrameBinding, FrameUniforms};
-use crate::render::framing::Floor;
+use crate::render::fits::{Fits, light_uniforms, uniforms};
+use crate::render::frame_uniforms::FrameBinding;
 use crate::render::geometry::GeometryBuilder;
 use crate::render::gpu::{Gpu, GpuError};
-use crate::render::light::{FloorFit, KEY_LIGHT_SPREAD, ShadowFit, TOWARDS_KEY_LIGHT};
 use crate::render::light_maps::{LightDetail, LightMaps, LightPasses, SETS};
-use crate::render::overlay::{Overlay, OverlayContent, Placement, map_of};
+use crate::render::overlay::{Overlay, OverlayContent, Placement};
 use crate::render::prepared::{Look, Prepared};
 use crate::render::quality::Quality;
-use crate::render::surface_pass::{SurfacePass, map_row};
+use crate::render::surface_pass::SurfacePass;
+use crate::render::target::{Strip, Target, begin_scene, begin_target, texture_size_px};
 use crate::render::theme::Theme;
 use crate::render::triangles::{TriangleBuffers, Triangles};
 use crate::render::view::View;
-use glam::{Vec2, Vec3};
 use std::sync::Arc;
-
-/// Bodies dim the ambient light on the floor up to this height, in body radii.
-const FLOOR_REACH_RADII: f32 = 0.7;
-/// Radius of the floor around what the camera looks at, in distances of the camera. It hangs on
-/// the camera alone, so that the background keeps still while bodies move.
-const FLOOR_RADIUS: f32 = 3.0;
-
-/// Where a picture goes: a rectangle of a texture.
-#[derive(Clone, Copy, Debug)]
-pub struct Target<'a> {
-    /// The texture, in the format the renderer was made for.
-    pub view: &'a wgpu::TextureView,
-    /// Upper left corner of the rectangle, pixels.
-    pub origin_px: [u32; 2],
-    /// Size of the rectangle, pixels.
-    pub size_px: [u32; 2],
-}
-
-impl<'a> Target<'a> {
-    /// All of a texture.
-    #[must_use]
-    pub fn whole(view: &'a wgpu::TextureView) -> Self {
-        Self { view, origin_px: [0, 0], size_px: texture_size_px(view) }
-    }
-
-    /// A rectangle of a texture, cut where it sticks out; what is outside it stays as it is.
-    #[must_use]
-    pub fn part(view: &'a wgpu::TextureView, origin_px: [u32; 2], size_px: [u32; 2]) -> Self {
-        let all = texture_size_px(view);
-        let origin_px = std::array::from_fn(|i| origin_px[i].min(all[i]));
-        Self { view, origin_px, size_px: std::array::from_fn(|i| size_px[i].min(all[i] - origin_px[i])) }
-    }
-
-    /// Width over height.
-    #[must_use]
-    pub fn aspect(&self) -> f32 {
-        self.size_px[0] as f32 / self.size_px[1].max(1) as f32
-    }
-
-    fn is_whole(&self) -> bool {
-        self.origin_px == [0, 0] && self.size_px == texture_size_px(self.view)
-    }
-}
-
-fn texture_size_px(view: &wgpu::TextureView) -> [u32; 2] {
-    let texture = view.texture();
-    [texture.width(), texture.height()]
-}
 
 /// Draws frames. It knows a texture, not a window: the same code serves both.
 pub struct Renderer {
@@ -88,6 +39,20 @@ pub struct Renderer {
     coming: Option<Coming>,
     textures: Option<SceneTextures>,
     small: Option<SmallPicture>,
+    refining: Option<Refining>,
+}
+
+/// Parts of the height of a picture that is refined.
+const STRIPS: u32 = 8;
+
+/// A picture that is drawn finely piece by piece, and how many of its [`STRIPS`] are done.
+#[derive(Debug)]
+struct Refining {
+    frame: Arc<Frame>,
+    camera: Camera,
+    view: View,
+    size_px: [u32; 2],
+    strips: u32,
 }
 
 /// What vertices and light maps on the GPU were made of.
@@ -140,6 +105,7 @@ impl Renderer {
             coming: None,
             textures: None,
             small: None,
+            refining: None,
             gpu: gpu.clone(),
             frame,
             light_passes,
@@ -239,6 +205,64 @@ impl Renderer {
         is_ready
     }
 
+    /// As [`Self::render_again`] in full quality, but piece by piece, one at each call, so that slow hardware can answer in
+    /// between. The target changes with the last one; tells whether it was that. Pictures drawn meanwhile begin it anew.
+    ///
+    /// # Errors
+    /// As for [`Self::render`].
+    pub fn refine(
+        &mut self,
+        target: Target<'_>,
+        frame: &Arc<Frame>,
+        (camera, view): (&Camera, &View),
+    ) -> Result<bool, GpuError> {
+        if target.size_px.contains(&0) {
+            return Ok(true);
+        }
+        self.gpu.check_size(target.size_px)?;
+        let is_same = |it: &Refining| {
+            let is_seen = Arc::ptr_eq(&it.frame, frame) && (it.camera, &it.view) == (*camera, view);
+            is_seen && it.size_px == target.size_px
+        };
+        let mut refining = self.refining.take().filter(is_same).unwrap_or_else(|| Refining {
+            frame: frame.clone(),
+            camera: *camera,
+            view: view.clone(),
+            size_px: target.size_px,
+            strips: 0,
+        });
+        let mut known = match self.known_of(Some(frame), view) {
+            Some(known) => known,
+            None => self.upload((frame, Some(frame)), view)?,
+        };
+        let (quality, light) = (Quality::FULL, LightDetail::Fine);
+        let light_set = light.place(self.front);
+        let fits = Fits::new(&known.triangles, known.look.floor, light);
+        self.write_uniforms(target, (camera, view), &fits, quality);
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        if known.light != Some(light) {
+            self.draw_light(&mut encoder, (&known.triangles, &fits), (light_set, quality));
+            known.light = Some(light);
+        } else {
+            self.fit_textures(target.size_px, quality);
+            let strip = Strip { number: refining.strips, of: STRIPS };
+            let triangles = (known.triangles.count, fits.is_cut_by_floor);
+            self.draw_scene(&mut encoder, triangles, (quality, light_set), strip);
+            refining.strips += 1;
+        }
+        let is_done = refining.strips == STRIPS;
+        if is_done {
+            let Look { range, cross_scale_pa, .. } = known.look;
+            let content = OverlayContent { view, time_s: frame.time_s, range, cross_scale_pa };
+            self.draw_on_target(&mut encoder, (target, light_set), &content);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.check().inspect_err(|_| self.textures = None)?;
+        self.known = Some(known);
+        self.refining = Some(refining).filter(|_| !is_done);
+        Ok(is_done)
+    }
+
     fn draw(
         &mut self,
         target: Target<'_>,
@@ -249,6 +273,7 @@ impl Renderer {
         if target.size_px.contains(&0) {
             return Ok(());
         }
+        self.refining = None;
         self.gpu.check_size(target.size_px)?;
         let mut known = match self.known_of(shared, view) {
             Some(known) => known,
@@ -264,16 +289,10 @@ impl Renderer {
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !is_lit {
-            let maps = &self.light_maps[light_set];
-            let casters = self.buffers[self.front].casters(&known.triangles);
-            fits.write_matrices(&self.gpu.queue, maps);
-            self.light_passes.draw_shadow(&mut encoder, maps, &casters);
-            if fits.floor.is_some() {
-                self.light_passes.draw_floor(&mut encoder, (&self.frame, maps), &casters, quality);
-            }
+            self.draw_light(&mut encoder, (&known.triangles, &fits), (light_set, quality));
         }
         let detail = (quality, light_set);
-        self.draw_scene(&mut encoder, (known.triangles.count, fits.is_cut_by_floor), detail);
+        self.draw_scene(&mut encoder, (known.triangles.count, fits.is_cut_by_floor), detail, Strip::ALL);
         let Look { range, cross_scale_pa, .. } = known.look;
         let content = OverlayContent { view, time_s: frame.time_s, range, cross_scale_pa };
         self.draw_on_target(&mut encoder, (target, light_set), &content);
@@ -345,16 +364,38 @@ impl Renderer {
         }
     }
 
+    fn draw_light(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        (triangles, fits): (&Triangles, &Fits),
+        (light_set, quality): (usize, Quality),
+    ) {
+        let maps = &self.light_maps[light_set];
+        let casters = self.buffers[self.front].casters(triangles);
+        fits.write_matrices(&self.gpu.queue, maps);
+        self.light_passes.draw_shadow(encoder, maps, &casters);
+        if fits.floor.is_some() {
+            self.light_passes.draw_floor(encoder, (&self.frame, maps), &casters, quality);
+        }
+    }
+
     fn draw_scene(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (count, is_cut_by_floor): (u32, bool),
         detail: (Quality, usize),
+        strip: Strip,
     ) {
         let Some(textures) = &self.textures else {
             return;
         };
-        let mut pass = begin_scene(encoder, textures);
+        let mut pass = begin_scene(encoder, textures, strip);
+        let [width, _] = textures.size_px;
+        let (top, height) = strip.rows(textures.size_px[1]);
+        if height == 0 {
+            return;
+        }
+        pass.set_scissor_rect(0, top, width, height);
         pass.set_bind_group(0, &self.frame.group, &[]);
         let vertices = &self.buffers[self.front].vertices;
         self.surface_pass.draw(&mut pass, (vertices, count), is_cut_by_floor, detail);
@@ -387,120 +428,4 @@ impl Renderer {
         }
         self.overlay.draw(&mut pass);
     }
-}
-
-/// The lights' maps for one picture.
-struct Fits {
-    light: LightDetail,
-    shadow: ShadowFit,
-    floor: Option<FloorFit>,
-    /// Whether something reaches below the floor.
-    is_cut_by_floor: bool,
-}
-
-impl Fits {
-    fn new(triangles: &Triangles, floor: Option<Floor>, light: LightDetail) -> Self {
-        let nothing = (Vec3::splat(-0.5), Vec3::splat(0.5));
-        let bounds = triangles.bounds_m.unwrap_or(nothing);
-        let reach_m = (FLOOR_REACH_RADII * triangles.body_radius_m).max(1e-5);
-        Self {
-            light,
-            shadow: ShadowFit::around(bounds, light.shadow_side_px()),
-            is_cut_by_floor: floor.is_some_and(|f| bounds.0.z < f.height_m - 1e-3 * reach_m),
-            floor: floor.map(|floor| FloorFit::around(bounds, floor.height_m, reach_m)),
-        }
-    }
-
-    fn write_matrices(&self, queue: &wgpu::Queue, maps: &LightMaps) {
-        maps.shadow.set_matrix(queue, self.shadow.shadow_from_world);
-        if let Some(floor) = &self.floor {
-            maps.height.set_matrix(queue, floor.heights_from_world());
-        }
-    }
-}
-
-/// What the passes of the light need.
-fn light_uniforms(fits: &Fits) -> FrameUniforms {
-    let floor = fits.floor;
-    FrameUniforms {
-        shadow_from_world: fits.shadow.shadow_from_world.to_cols_array_2d(),
-        shadow_texel: fits.shadow.side_m / fits.light.shadow_side_px() as f32,
-        shadow_depth: fits.shadow.depth_m,
-        light_spread: KEY_LIGHT_SPREAD,
-        floor_height: floor.map_or(-1e9, |floor| floor.height_m),
-        floor_map_low: floor.map_or(Vec2::ZERO, |floor| floor.low_m).to_array(),
-        floor_map_side: floor.map_or(1.0, |floor| floor.side_m),
-        // Without a floor nothing is near it.
-        floor_reach: floor.map_or(1e-9, |floor| floor.reach_m),
-        ..FrameUniforms::default()
-    }
-}
-
-fn uniforms(target: Target<'_>, camera: &Camera, view: &View, fits: &Fits, theme: &Theme) -> FrameUniforms {
-    let [corner, right, up] = camera.picture_rays(target.aspect());
-    FrameUniforms {
-        clip_from_world: camera.clip_from_world(target.aspect()).to_cols_array_2d(),
-        eye: camera.eye_m().to_array(),
-        wireframe: f32::from(u8::from(view.wireframe)),
-        towards_light: TOWARDS_KEY_LIGHT.normalize().to_array(),
-        key_light: theme.key_light.to_array(),
-        wire_width: view.pixels_per_point.max(1.0),
-        sky_light: theme.sky_light.to_array(),
-        bounce_light: theme.bounce_light.to_array(),
-        floor_radius: FLOOR_RADIUS * camera.distance_m,
-        rim_light: theme.rim_light.to_array(),
-        map_row: map_row(map_of(view.color_by)),
-        background_low: theme.background_low.to_array(),
-        background_high: theme.background_high.to_array(),
-        shadow_strength: theme.shadow_strength,
-        floor_color: theme.floor_color.to_array(),
-        wire_color: theme.wire_color.to_array(),
-        wire_opacity: theme.wire_opacity,
-        floor_center: camera.target_m.truncate().to_array(),
-        picture_origin: target.origin_px.map(|px| px as f32),
-        ray_corner: corner.to_array(),
-        ray_right: right.to_array(),
-        ray_up: up.to_array(),
-        ..light_uniforms(fits)
-    }
-}
-
-fn begin_scene<'e>(encoder: &'e mut wgpu::CommandEncoder, textures: &SceneTextures) -> wgpu::RenderPass<'e> {
-    // Samples are resolved at the end of the pass; nobody needs them, or the depth, after it.
-    let (view, resolve_target, store) = match &textures.color {
-        Some(samples) => (samples, Some(&textures.resolved), wgpu::StoreOp::Discard),
-        None => (&textures.resolved, None, wgpu::StoreOp::Store),
-    };
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("scene"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store },
-        })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &textures.depth,
-            depth_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Clear(0.0),
-                store: wgpu::StoreOp::Discard,
-            }),
-            stencil_ops: None,
-        }),
-        ..Default::default()
-    })
-}
-
-fn begin_target<'e>(encoder: &'e mut wgpu::CommandEncoder, target: &Target<'_>) -> wgpu::RenderPass<'e> {
-    let load = if target.is_whole() { wgpu::LoadOp::Clear(wgpu::Color::BLACK) } else { wgpu::LoadOp::Load };
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("target"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: target.view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-        })],
-        ..Default::default()
-    })
 }

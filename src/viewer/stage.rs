@@ -186,12 +186,22 @@ impl Stage {
         let mut done = Ok(plan.more);
         if let Some((sight, quality)) = plan.draw {
             let target = Target::whole(&picture.view);
-            let drawn = self.renderer.render_again(target, &sight.0, (&sight.1, &sight.2), quality);
-            picture.shows = drawn.is_ok().then_some(sight);
-            picture.quality = quality;
-            self.drawn = plan.drawn;
-            self.has_new_picture = true;
-            done = drawn.map(|()| plan.more);
+            let seen_from = (&sight.1, &sight.2);
+            // Where motion has to be drawn as a draft, the fine picture takes a while: it comes in pieces.
+            let is_drawn = if is_steered && plan.drawn == Drawn::AtRest {
+                self.renderer.refine(target, &sight.0, seen_from)
+            } else {
+                self.renderer.render_again(target, &sight.0, seen_from, quality).map(|()| true)
+            };
+            if is_drawn == Ok(false) {
+                done = Ok(Some(Duration::ZERO));
+            } else {
+                picture.shows = is_drawn.is_ok().then_some(sight);
+                picture.quality = quality;
+                self.drawn = plan.drawn;
+                self.has_new_picture = true;
+                done = is_drawn.map(|_| plan.more);
+            }
         }
         self.picture = Some(picture);
         done

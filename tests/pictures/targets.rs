@@ -119,7 +119,7 @@ fn pictures_of_prepared_frames_are_those_of_any() {
     let target = texture(&gpu, SIZE, format);
     let view_of = target.create_view(&Default::default());
     let workers = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let mut drawn = |renderer: &mut Renderer, frame: &Arc<Frame>, quality: Quality| {
+    let drawn = |renderer: &mut Renderer, frame: &Arc<Frame>, quality: Quality| {
         renderer.render_again(Target::whole(&view_of), frame, (&camera, &view), quality).unwrap();
         read(&gpu, &target).rgba
     };
@@ -137,6 +137,37 @@ fn pictures_of_prepared_frames_are_those_of_any() {
             }
             assert!(calls > 0 || !quality.is_draft, "{quality:?}: light comes piece by piece");
         }
+    }
+}
+
+#[test]
+fn a_picture_refined_piece_by_piece_is_the_fine_one() {
+    let Some(gpu) = gpu() else { return };
+    let (first, camera, view) = scene();
+    let frame = Arc::new(first);
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    // A height that the pieces do not divide, and one with fewer rows than pieces.
+    for height in [37, 5] {
+        let target = texture(&gpu, [64, height], format);
+        let view_of = target.create_view(&Default::default());
+        let mut renderer = Renderer::new(&gpu, format);
+        let whole = Target::whole(&view_of);
+        renderer.render_again(whole, &frame, (&camera, &view), Quality::FULL).unwrap();
+        let fine = read(&gpu, &target).rgba;
+        renderer.render_again(whole, &frame, (&camera, &view), Quality::draft([1, 2])).unwrap();
+        let draft = read(&gpu, &target).rgba;
+        assert!(draft != fine);
+        let mut pieces = 0;
+        while !renderer.refine(whole, &frame, (&camera, &view)).unwrap() {
+            assert!(read(&gpu, &target).rgba == draft, "the draft is seen until it is done");
+            pieces += 1;
+            if pieces == 4 {
+                // Another picture in between; what was done is lost, and nothing else.
+                renderer.render_again(whole, &frame, (&camera, &view), Quality::draft([1, 2])).unwrap();
+            }
+        }
+        assert!(read(&gpu, &target).rgba == fine, "{height}");
+        assert!(pieces > 8, "{pieces}");
     }
 }
 
