@@ -126,17 +126,17 @@ fn run_command(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
         None => view::run(&view::ViewArgs::default(), &common),
         Some(Command::View(with)) => view::run(&with.args, &common),
-        Some(Command::Render(with)) => on_worker(|| render::run(&with.args, &common, &console)),
+        Some(Command::Render(with)) => render::run(&with.args, &common, &console),
         Some(Command::Run(with)) => on_worker(|| run::run(&with.args, &common, &console)),
         Some(Command::Scenes(_)) => scenes::run(&console),
-        Some(Command::Check(with)) => on_worker(|| check::run(&with.args, &common, &console)),
+        Some(Command::Check(with)) => check::run(&with.args, &common, &console),
         Some(Command::Criteria(with)) => criteria::run(&with.args, &common, &console),
-        Some(Command::Verify(with)) => on_worker(|| verify::run(&with.args, &common, &console)),
+        Some(Command::Verify(with)) => verify::run(&with.args, &common, &console),
     }
 }
 
 /// Runs work of many short parallel parts on one of the threads that share them, so that no part has to be handed over to
-/// another thread first.
+/// another thread first. The work must not wait for a thread of the pool but through the pool: there may be only this one.
 fn on_worker<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     rayon::scope(|_| work())
 }
