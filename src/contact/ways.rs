@@ -309,3 +309,79 @@ impl ClusterPair {
         spheres[0][first].way_m(&spheres[spheres.len() - 1][second])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Surface;
+    use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+
+    /// A box and its surface.
+    fn block() -> (ContactSurface, Vec<DVec3>) {
+        let shape = Shape::Box(BoxShape { size_m: DVec3::new(4.0, 3.0, 2.0) });
+        let meshing = Meshing { resolution: Resolution::Cells([4, 3, 2]), split: HexSplit::Six };
+        let mesh = shape.build(&meshing).unwrap();
+        (ContactSurface::new(&Surface::of(&mesh.tets), &mesh.nodes_m), mesh.nodes_m)
+    }
+
+    #[test]
+    fn every_feature_lies_in_its_cluster() {
+        let (surface, _) = block();
+        let clusters = &surface.clusters;
+        assert!(clusters.count() > 2);
+        let mut triangles = clusters.order.clone();
+        triangles.sort_unstable();
+        assert!(triangles.into_iter().eq(0..surface.triangles.len() as u32));
+        let nodes: Vec<_> = (0..clusters.count() as u32).map(|c| clusters.nodes_of(c, &surface)).collect();
+        let holds = |cluster: u32, of: &[u32]| of.iter().all(|n| nodes[cluster as usize].contains(n));
+        for (triangle, corners) in surface.triangles.iter().enumerate() {
+            assert!(holds(clusters.of_triangle[triangle], corners));
+        }
+        for (edge, cluster) in surface.edges.iter().zip(&clusters.of_edge) {
+            assert!(holds(*cluster, &edge.nodes));
+        }
+        for node in &surface.nodes {
+            assert!(holds(clusters.of_node[*node as usize], &[*node]));
+        }
+    }
+
+    #[test]
+    fn no_feature_makes_a_longer_way_than_its_clusters() {
+        let (surface, mut x) = block();
+        let y: Vec<DVec3> = x.iter().map(|x| *x + DVec3::new(0.3, 0.2, 2.1)).collect();
+        let mut all = Candidates::default();
+        for triangle in 0..surface.triangles.len() as u32 {
+            all.node_on_second.extend(surface.nodes.iter().step_by(7).map(|node| (*node, triangle)));
+        }
+        all.edge_pairs = (0..surface.edges.len() as u32).step_by(3).map(|e| (e, 5)).collect();
+        let mut ways = Ways::of(&all, [&surface; 2], [&x, &y], false);
+        assert!(ways.fit(&all) && !ways.fit(&Candidates::default()));
+        let mut made_m = vec![0.0; all.node_on_second.len()];
+        for step in 0..5 {
+            let moves = |n: usize| {
+                let at = f64::from(step * 100 + n as i32);
+                DVec3::new((3.1 * at).sin(), (1.7 * at).cos(), (0.6 * at * at).sin()) * 0.01
+            };
+            let velocities: Vec<DVec3> = (0..x.len()).map(moves).collect();
+            ways.look_ahead([&velocities, &vec![DVec3::ZERO; y.len()]], 1.0);
+            let ahead: Vec<f64> = ways.of_pairs().map(|(_, ahead_m)| ahead_m).collect();
+            x.iter_mut().zip(&velocities).for_each(|(x, v)| *x += *v);
+            ways.look([&x, &y]);
+            let before: Vec<f64> = ways.of_pairs().map(|(before_m, _)| before_m).collect();
+            for (place, (node, _)) in all.node_on_second.iter().enumerate() {
+                let (pair, way_m) =
+                    (ways.of_node_on_second[place] as usize, velocities[*node as usize].length());
+                made_m[place] += way_m;
+                assert!(
+                    way_m <= ahead[pair] * (1.0 + 1e-12) && made_m[place] <= before[pair] * (1.0 + 1e-12)
+                );
+            }
+        }
+        assert!(ways.most_ahead_m() < 0.1);
+        // A body that moves on as a whole brings nothing nearer to anything of it.
+        let mut own = Ways::of(&all, [&surface; 2], [&x; 2], true);
+        x.iter_mut().for_each(|x| *x += DVec3::new(7.0, -3.0, 2.0));
+        own.look([&x; 2]);
+        assert!(own.of_pairs().all(|(before_m, _)| before_m < 1e-12));
+    }
+}
