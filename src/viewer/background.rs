@@ -3,7 +3,7 @@
 /// How far behind the window, in steps of niceness: each is worth about a quarter more or less time on a core that is
 /// fought for.
 #[cfg(target_os = "linux")]
-const NICENESS: i32 = 5;
+const NICENESS: i32 = 10;
 
 /// Lets the window's threads go before this one, and before those that it starts from now on, where cores are scarce.
 /// Nothing but time hangs on it.
