@@ -262,6 +262,25 @@ fn picture(window: &mut OffScreenWindow) -> Picture {
 }
 
 #[test]
+fn looking_at_a_scene_changes_nothing_of_it_whatever_its_sliders_offer() {
+    let mut window = open(Simulation::start(Box::new(|| {})).unwrap(), "pile-split");
+    let overrides = ["time.cfl=0.01", "contact.passes=80", "fracture.max_elements=2000000"];
+    for overrides in [&overrides[..0], &overrides] {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        window.app.open("pile-split", &overrides);
+        wait(&mut window, "the scene", |app| app.snapshot.scene.is_some() && !app.is_waiting());
+        let contact = window.app.snapshot.contact.clone();
+        for _ in 0..3 {
+            picture(&mut window);
+        }
+        let scene = window.app.snapshot.scene.clone().unwrap();
+        assert!(!window.app.edits.wait_for_reset(&scene), "{:?}", window.app.edits.fracture);
+        assert_eq!(window.app.snapshot.contact, contact);
+        assert_eq!(window.app.snapshot.undo, None);
+    }
+}
+
+#[test]
 fn a_lost_device_is_opened_anew_and_nothing_of_the_scene_is_lost() {
     let mut window = open(Simulation::start(Box::new(|| {})).unwrap(), "bounce");
     let moments = |app: &App| app.snapshot.recording.moments().len();

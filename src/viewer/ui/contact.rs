@@ -4,7 +4,7 @@ use super::widgets::{Acts, Parameter, badge};
 use crate::sim::{ContactMethod, ContactParameters};
 use crate::viewer::session::GROUND_BODY;
 use crate::viewer::snapshot::Snapshot;
-use egui::{ComboBox, Slider, Ui};
+use egui::{ComboBox, Slider, SliderClamping, Ui};
 
 const FRICTION: Parameter = Parameter {
     label: "Friction",
@@ -128,7 +128,8 @@ fn passes_slider(ui: &mut Ui, passes: &mut u32) -> bool {
     ui.horizontal(|ui| {
         ui.label("Passes").on_hover_text(hint);
         ui.spacing_mut().slider_width = (ui.available_width() - 56.0).max(40.0);
-        ui.add(Slider::new(passes, 1..=50).logarithmic(true)).on_hover_text(hint).changed()
+        let slider = Slider::new(passes, 1..=50).logarithmic(true).clamping(SliderClamping::Edits);
+        ui.add(slider).on_hover_text(hint).changed()
     })
     .inner
 }

@@ -136,7 +136,8 @@ pub fn growth(ui: &mut Ui, parameters: &mut FractureParameters, base: &FractureP
         }
     });
     if let Some(most) = &mut parameters.max_elements {
-        ui.add(egui::Slider::new(most, 100..=1_000_000).logarithmic(true));
+        let slider = egui::Slider::new(most, 100..=1_000_000).logarithmic(true);
+        ui.add(slider.clamping(egui::SliderClamping::Edits));
     }
     let mut single = parameters.rule == PropagationRule::SingleElement;
     let hint = "Otherwise a node opens where two elements at it fail";

@@ -2,7 +2,10 @@
 
 use super::style;
 use crate::render::{parse_with_unit, short, with_unit};
-use egui::{CollapsingHeader, Color32, Context, DragValue, Id, Response, RichText, ScrollArea, Slider, Ui};
+use egui::{
+    CollapsingHeader, Color32, Context, DragValue, Id, Response, RichText, ScrollArea, Slider,
+    SliderClamping, Ui,
+};
 use std::ops::RangeInclusive;
 
 /// A value on a slider.
@@ -30,7 +33,9 @@ impl Parameter {
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| self.typed(ui, value));
             });
             ui.spacing_mut().slider_width = ui.available_width();
+            // A scene may have what no slider offers: only what is done here keeps to the range.
             let slider = Slider::new(value, self.range.clone()).logarithmic(self.is_logarithmic);
+            let slider = slider.clamping(SliderClamping::Edits);
             let smallest = (self.range.end() * 1e-6).max(*self.range.start());
             ui.add(slider.smallest_positive(smallest).show_value(false)).on_hover_text(self.hint);
         });
@@ -46,6 +51,7 @@ impl Parameter {
         let speed = if self.is_logarithmic { value.abs().max(1e-12) * 0.01 } else { 0.002 };
         let number = DragValue::new(value)
             .range(self.range.clone())
+            .clamp_existing_to_range(false)
             .speed(speed)
             .custom_formatter(move |value, _| with_its_unit(value, unit))
             .custom_parser(move |text| parse_with_unit(text, unit));
