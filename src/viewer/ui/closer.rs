@@ -2,6 +2,7 @@
 
 use super::Action;
 use super::inspector::row;
+use super::style;
 use super::widgets::measured;
 use crate::render::parse_with_unit;
 use crate::viewer::app::App;
@@ -97,6 +98,7 @@ pub fn color_range(ui: &mut Ui, look: &mut Look) {
         ui.add(TextEdit::singleline(&mut typed.high).desired_width(width - 8.0));
     });
     if let Err(reason) = typed.range(color_by) {
-        ui.label(RichText::new(reason).small().color(ui.visuals().error_fg_color));
+        let (_, color) = style::error_colors(ui.visuals().dark_mode);
+        ui.label(RichText::new(reason).small().color(color));
     }
 }

@@ -104,13 +104,17 @@ fn formula(ui: &mut Ui, edit: &mut CriterionEdit) {
     let (_, color) = style::error_colors(ui.visuals().dark_mode);
     // The place as in the text above: the field has a margin of its own.
     let before: String = edit.formula.chars().take(error.column.saturating_sub(1)).map(|_| ' ').collect();
-    ui.spacing_mut().item_spacing.y = 0.0;
-    ui.horizontal(|ui| {
-        ui.add_space(4.0);
-        ui.label(RichText::new(format!("{before}^")).monospace().color(color));
-    });
     let text = format!("Column {}: {}. The criterion of before stays.", error.column, error.problem);
-    ui.label(RichText::new(text).small().color(color));
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        ui.horizontal(|ui| {
+            ui.add_space(4.0);
+            // A place beyond the end of the field must not widen the panel.
+            let mark = RichText::new(format!("{before}^")).monospace().color(color);
+            ui.add(egui::Label::new(mark).truncate());
+        });
+        ui.label(RichText::new(text).small().color(color));
+    });
 }
 
 /// Shows how cracks grow.
