@@ -190,8 +190,7 @@ impl CloseList {
         if self.ways.fit(all) {
             self.ways.look(positions_m);
         } else {
-            let is_own = pair.bodies[0] == pair.bodies[1];
-            self.ways = Ways::of(all, pair.views.map(|view| view.surface), positions_m, is_own);
+            self.ways = Ways::of(all, pair.views.map(|view| view.surface), positions_m, pair.is_own());
         }
         self.ways.look_ahead(pair.views.map(|view| view.velocities_m_s), pair.step_s);
         self.way_m = self.ways.most_ahead_m();

@@ -82,21 +82,25 @@ pub struct PairView<'a> {
 }
 
 impl PairView<'_> {
+    /// Whether the two are one body.
+    pub(super) fn is_own(&self) -> bool {
+        self.bodies[0] == self.bodies[1]
+    }
+
     /// Share of an edge at each end that does not touch other edges.
     pub(super) fn edge_ends(&self) -> f64 {
-        if self.bodies[0] == self.bodies[1] { OWN_EDGE_END } else { 0.0 }
+        if self.is_own() { OWN_EDGE_END } else { 0.0 }
     }
 
     /// Whether the two are one body that has cracked.
     pub(super) fn is_own_and_cracked(&self) -> bool {
-        self.bodies[0] == self.bodies[1] && self.views[0].surface.has_cracked()
+        self.is_own() && self.views[0].surface.has_cracked()
     }
 
     /// Of a body with itself: how its twins lie.
     pub(super) fn twin_states(&self, slack_m: f64) -> Vec<TwinState> {
-        let is_own = self.bodies[0] == self.bodies[1];
         let view = &self.views[0];
-        if is_own { view.surface.twins.states(view, self.step_s, slack_m) } else { Vec::new() }
+        if self.is_own() { view.surface.twins.states(view, self.step_s, slack_m) } else { Vec::new() }
     }
 }
 
@@ -353,7 +357,7 @@ impl<'a> NodeSide<'a> {
     /// Whether a crack of the body parted a node and a patch of it.
     fn were_one(&self, feature: Feature) -> bool {
         let Feature::NodeOnPatch { node, triangle } = feature else { return false };
-        self.bodies[0] == self.bodies[1] && self.views[1].surface.were_one(node, triangle)
+        self.pair.is_own() && self.views[1].surface.were_one(node, triangle)
     }
 
     /// Whether the node's own body lies in front of a patch with this normal.
@@ -382,7 +386,7 @@ impl<'a> NodeSide<'a> {
         let corners = other.surface.triangles[triangle as usize];
         let size_m =
             other.surface.triangle_size_m[triangle as usize].min(own.surface.node_size_m[node as usize]);
-        let is_own = self.bodies[0] == self.bodies[1];
+        let is_own = self.pair.is_own();
         let x = own.positions_m[node as usize];
         let patch_m = corners.map(|n| other.positions_m[n as usize]);
         let far = if is_own { OWN_NEAR } else { NEAR };
@@ -430,14 +434,14 @@ impl<'a> NodeSide<'a> {
     }
 
     fn constraint(&self, near: &NearPair) -> Option<Constraint> {
-        let far = if self.bodies[0] == self.bodies[1] { OWN_NEAR } else { NEAR };
+        let far = if self.pair.is_own() { OWN_NEAR } else { NEAR };
         if near.gap_after_m(&self.views, self.pair.step_s) > far * near.size_m {
             return None;
         }
         let [node, a, b, c] = near.nodes.map(|n| n.1);
         let key = (self.bodies[0], node, self.bodies[1]);
         let is_held = self.pair.list.holds(key, near.geometry.normal);
-        let is_own = self.bodies[0] == self.bodies[1];
+        let is_own = self.pair.is_own();
         let path = self.paths(node, [a, b, c]);
         let depths = &self.pair.depths;
         let were_one = near.were_one;
@@ -578,7 +582,7 @@ fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Optio
     let is_held = pair.list.holds_edges(pair.bodies, [first, second]);
     let depth = if is_held { pair.depths.held } else { pair.depths.new_edges };
     let reach_m = depth * size_m + way_m;
-    let is_own = pair.bodies[0] == pair.bodies[1];
+    let is_own = pair.is_own();
     if !edges_may_touch(p, q, (reach_m, pair.edge_ends())) {
         return None;
     }
@@ -601,7 +605,7 @@ fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Optio
 fn edge_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
     let Feature::EdgeOnEdge { first, second } = near.feature else { return None };
     let is_held = pair.list.holds_edges(pair.bodies, [first, second]);
-    let is_own = pair.bodies[0] == pair.bodies[1];
+    let is_own = pair.is_own();
     let new_depth = if is_own { pair.depths.new } else { pair.depths.new_edges };
     let depth = if is_held { pair.depths.held } else { new_depth };
     let far = if is_own { OWN_NEAR } else { NEAR };

@@ -194,7 +194,7 @@ impl Ways {
     ) -> Self {
         let distinct = &surfaces[..if is_own { 1 } else { 2 }];
         let mut found = Self { sides: distinct.iter().map(|s| Side::of(s)).collect(), ..Self::default() };
-        let mut known = KnownPairs::default();
+        let mut known = KnownPairs::new();
         let mut pair_of = |[first, second]: [u32; 2]| {
             let sides = &mut found.sides;
             let a = sides[0].place(first, surfaces[0], positions_m[0]);
@@ -270,7 +270,6 @@ impl Ways {
 }
 
 /// Numbers of pairs of clusters while they are counted.
-#[derive(Default)]
 struct KnownPairs {
     /// By place of the first cluster: places of second ones and the numbers of the pairs.
     of_first: Vec<Vec<(u32, u32)>>,
@@ -281,9 +280,12 @@ struct KnownPairs {
 impl KnownPairs {
     const LATELY: usize = 1 << 12;
 
+    fn new() -> Self {
+        Self { of_first: Vec::new(), lately: vec![([NONE; 2], NONE); Self::LATELY] }
+    }
+
     fn number(&mut self, places: [u32; 2], new: impl FnOnce() -> u32) -> u32 {
         let [first, second] = places;
-        self.lately.resize(Self::LATELY, ([NONE; 2], NONE));
         let slot = &mut self.lately[(first.wrapping_mul(61) ^ second) as usize % Self::LATELY];
         if slot.0 == places {
             return slot.1;

@@ -72,12 +72,16 @@ struct Coming {
     known: Known,
     /// Whether only the light on the floor is left to do.
     has_shadow: bool,
-    is_ready: bool,
 }
 
 impl Known {
     fn is_of(&self, frame: &Arc<Frame>, view: &View) -> bool {
         Arc::ptr_eq(&self.frame, frame) && self.view == *view
+    }
+
+    fn content(&self, time_s: f64) -> OverlayContent<'_> {
+        let Look { range, cross_scale_pa, .. } = self.look;
+        OverlayContent { view: &self.view, time_s, range, cross_scale_pa }
     }
 }
 
@@ -173,15 +177,15 @@ impl Renderer {
             return true;
         };
         let known = Known { frame: frame.clone(), view: view.clone(), look, triangles, light: None };
-        self.coming = Some(Coming { known, has_shadow: false, is_ready: false });
+        self.coming = Some(Coming { known, has_shadow: false });
         self.light_what_comes(quality)
     }
 
     /// A piece of the light on what is to come; tells whether that is ready.
     fn light_what_comes(&mut self, quality: Quality) -> bool {
-        let Some(Coming { known, has_shadow, is_ready }) = &mut self.coming else { return false };
+        let Some(Coming { known, has_shadow }) = &mut self.coming else { return false };
         let light = LightDetail::of(quality);
-        if light == LightDetail::Fine || *is_ready {
+        if light == LightDetail::Fine || known.light.is_some() {
             return true;
         }
         let back = 1 - self.front;
@@ -191,16 +195,14 @@ impl Renderer {
         fits.write_matrices(&self.gpu.queue, maps);
         self.frame.write(&self.gpu.queue, &light_uniforms(&fits));
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        if !*has_shadow {
+        let is_ready = *has_shadow || fits.floor.is_none();
+        if *has_shadow {
+            self.light_passes.draw_floor(&mut encoder, (&self.frame, maps), &casters, quality);
+        } else {
             self.light_passes.draw_shadow(&mut encoder, maps, &casters);
             *has_shadow = true;
-            *is_ready = fits.floor.is_none();
-        } else {
-            self.light_passes.draw_floor(&mut encoder, (&self.frame, maps), &casters, quality);
-            *is_ready = true;
         }
         known.light = is_ready.then_some(light);
-        let is_ready = *is_ready;
         self.gpu.queue.submit([encoder.finish()]);
         is_ready
     }
@@ -252,12 +254,9 @@ impl Renderer {
         }
         let is_done = refining.strips == STRIPS;
         if is_done {
-            let Look { range, cross_scale_pa, .. } = known.look;
-            let content = OverlayContent { view, time_s: frame.time_s, range, cross_scale_pa };
-            self.draw_on_target(&mut encoder, (target, light_set), &content);
+            self.draw_on_target(&mut encoder, (target, light_set), &known.content(frame.time_s));
         }
-        self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.check().inspect_err(|_| self.textures = None)?;
+        self.submit(encoder)?;
         self.known = Some(known);
         self.refining = Some(refining).filter(|_| !is_done);
         Ok(is_done)
@@ -293,17 +292,19 @@ impl Renderer {
         }
         let detail = (quality, light_set);
         self.draw_scene(&mut encoder, (known.triangles.count, fits.is_cut_by_floor), detail, Strip::ALL);
-        let Look { range, cross_scale_pa, .. } = known.look;
-        let content = OverlayContent { view, time_s: frame.time_s, range, cross_scale_pa };
-        self.draw_on_target(&mut encoder, (target, light_set), &content);
+        self.draw_on_target(&mut encoder, (target, light_set), &known.content(frame.time_s));
+        self.submit(encoder)?;
+        known.light = Some(light);
+        self.known = shared.map(|_| known);
+        Ok(())
+    }
+
+    fn submit(&mut self, encoder: wgpu::CommandEncoder) -> Result<(), GpuError> {
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.check().inspect_err(|_| {
             // They may be what failed; the next picture gets new ones.
             self.textures = None;
-        })?;
-        known.light = Some(light);
-        self.known = shared.map(|_| known);
-        Ok(())
+        })
     }
 
     /// What is on the GPU of a frame, if its triangles are what `view` wants.

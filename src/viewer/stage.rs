@@ -178,7 +178,7 @@ impl Stage {
         } else {
             (wanted, None)
         };
-        let steering = self.steering.as_mut().filter(|_| !app.look.is_always_fine);
+        let steering = self.steering.as_mut().filter(|_| is_steered);
         let is_playing = app.snapshot.is_playing || app.player.is_playing();
         let plan = plan(&picture, (wanted, wait), steering, (now, is_playing));
         // The panels paint it only where it cannot be copied.

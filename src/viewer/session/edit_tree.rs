@@ -171,8 +171,7 @@ impl EditTree {
 
     /// Whether what redo makes belongs to what was done last.
     pub fn goes_on_as_one(&self) -> bool {
-        let last = self.iter().last().filter(|_| self.path.len() > self.given);
-        last.zip(self.next()).is_some_and(|(last, next)| next.goes_on_from(last))
+        self.next().is_some_and(|next| !self.would_begin_step(next))
     }
 
     /// What undo takes back: the number of its first edit, and that.
