@@ -77,9 +77,12 @@ impl Candidates {
             let [p, q] = [first, second].map(|edge| surface.edges[*edge as usize].nodes);
             p.map(|node| twin(node, &q).unwrap_or(NO_TWINS))
         };
-        self.node_twins = self.node_on_second.iter().map(at_node).collect();
-        self.were_one = self.node_on_second.iter().map(|(n, t)| surface.were_one(*n, *t)).collect();
-        self.edge_twins = self.edge_pairs.iter().map(at_ends).collect();
+        let entries = || self.node_on_second.par_iter().with_min_len(PAIRS_AT_ONCE);
+        let were_one = || entries().map(|(n, t)| surface.were_one(*n, *t)).collect();
+        let edges = || self.edge_pairs.par_iter().with_min_len(PAIRS_AT_ONCE).map(at_ends).collect();
+        let (node_twins, (were_one, edge_twins)) =
+            rayon::join(|| entries().map(at_node).collect(), || rayon::join(were_one, edges));
+        (self.node_twins, self.were_one, self.edge_twins) = (node_twins, were_one, edge_twins);
         self
     }
 }
@@ -122,12 +125,15 @@ pub fn within(own: &OwnFeatures, boxes: &SurfaceBoxes) -> Candidates {
 /// The same, of pairs of triangles, and without what is known of twins.
 pub(super) fn within_triangles(own: &OwnFeatures, boxes: &SurfaceBoxes, pairs: &[(u32, u32)]) -> Candidates {
     let surface = own.surface;
-    let is_cracked = |t: u32| surface.triangles[t as usize].iter().any(|node| surface.is_at_crack(*node));
+    let is_at_crack = |nodes: &[u32; 3]| nodes.iter().any(|node| surface.is_at_crack(*node));
+    let is_cracked: Vec<bool> = surface.triangles.iter().map(is_at_crack).collect();
     let of_pairs = |pairs: &[(u32, u32)]| {
         let mut found = Candidates::default();
         for (t1, t2) in pairs.iter().copied() {
-            let is_bent = || share_a_node(surface, t1, t2) && !is_cracked(t1) && !is_cracked(t2);
-            if !overlap(boxes.of_triangle(t1), boxes.of_triangle(t2)) || is_bent() {
+            let is_whole = !is_cracked[t1 as usize] && !is_cracked[t2 as usize];
+            if (is_whole && share_a_node(surface, t1, t2))
+                || !overlap(boxes.of_triangle(t1), boxes.of_triangle(t2))
+            {
                 continue;
             }
             push_nodes(&mut found.node_on_second, (surface, boxes, t1), (surface, boxes, t2), false);
@@ -170,6 +176,9 @@ fn push_nodes(out: &mut Vec<(u32, u32)>, nodes_of: Speaker, patch: Speaker, is_s
     let (patch_surface, patch_boxes, triangle) = patch;
     let nodes = surface.triangles[speaker as usize];
     let owns = surface.owns_node[speaker as usize];
+    if owns == [false; 3] {
+        return;
+    }
     let corners = patch_surface.corners_m(triangle, patch_boxes.built_at_m());
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     let margins_m = boxes.margin_m() + patch_boxes.margin_m();
@@ -190,17 +199,18 @@ fn push_nodes(out: &mut Vec<(u32, u32)>, nodes_of: Speaker, patch: Speaker, is_s
 type Speaker<'a> = (&'a ContactSurface, &'a SurfaceBoxes, u32);
 
 fn push_edges(out: &mut Vec<(u32, u32)>, first: Speaker, second: Speaker, is_swept: bool) {
+    let owns_none = |(surface, _, t): Speaker| surface.owned_edges[t as usize] == [None; 3];
+    if owns_none(first) || owns_none(second) {
+        return;
+    }
     let sharp = |(surface, boxes, t): Speaker| {
-        surface.owned_edges[t as usize].map(|e| {
-            let edge = e.filter(|e| surface.edges[*e as usize].is_sharp)?;
+        surface.owned_edges[t as usize].map(|edge| {
+            let edge = edge?;
             Some((edge, surface.edges[edge as usize].nodes.map(|n| boxes.built_at_m()[n as usize])))
         })
     };
     let margins_m = first.1.margin_m() + second.1.margin_m();
     let others = sharp(second);
-    if others.iter().all(Option::is_none) {
-        return;
-    }
     for (e1, p) in sharp(first).into_iter().flatten() {
         for (e2, q) in others.iter().flatten() {
             if is_swept || (are_boxes_near(p, *q, margins_m) && are_lines_near(p, *q, margins_m)) {

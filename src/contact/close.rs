@@ -5,11 +5,12 @@
 
 use super::boxes::SurfaceBoxes;
 use super::candidates::{Boxed, Candidates};
-use super::detect::{NEAR, PairDepths, PairView, ThrownNodes};
+use super::detect::{NEAR, PairDepths, PairView};
 use super::follow::Origins;
 use super::geometry::{barycentric, closest_on_lines, distance_of_segments};
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
+use super::thrown::ThrownNodes;
 use super::twins::TwinState;
 use super::ways::Ways;
 use crate::mesh::Renumbering;
@@ -115,18 +116,21 @@ impl CloseList {
         self.ways = Ways::of(all, surfaces, positions_m, is_own);
     }
 
-    /// Those of all candidates with thrown nodes that may touch when ways change by up to `change_m`: more than the close
-    /// ones when that is more than the list was made ready for.
+    /// Those of all candidates with nodes to be looked at again that may touch when ways change as far as `thrown` reckons with:
+    /// more than the close ones when that is more than the list was made ready for.
     pub(super) fn thrown_within(
         &self,
         all: &Candidates,
         (states, thrown, pair): (&[TwinState], &ThrownNodes, &PairView),
-        change_m: f64,
     ) -> Candidates {
         // Up to which wakes of which clusters count.
-        let flies = self.ways.with_nodes(|side, node| thrown.contains(side, node));
-        let due_m = self.ways.of_pairs().zip(flies).map(|((before_m, ahead_m), flies)| {
-            if flies { before_m + SPEED_UP * ahead_m + change_m } else { f64::NEG_INFINITY }
+        let flies = self.ways.most_of_nodes(|side, node| f64::from(u8::from(thrown.is_due(side, node))));
+        let changes_m = self.ways.most_of_nodes(|side, node| thrown.of_node_m(side, node));
+        let ways_m = self.ways.of_pairs().zip(flies).zip(changes_m);
+        let due_m = ways_m.map(|(((before_m, ahead_m), flies), changes_m)| {
+            let is_any_due = flies.iter().any(|x| *x > 0.0);
+            let change_m: f64 = changes_m.iter().sum();
+            if is_any_due { before_m + SPEED_UP * ahead_m + change_m } else { f64::NEG_INFINITY }
         });
         let due_m: Vec<f64> = due_m.collect();
         let is_near = |wake_m: f64, pair: u32| {
@@ -134,36 +138,34 @@ impl CloseList {
             wake_m <= due_m || (wake_m < 0.0 && due_m > f64::NEG_INFINITY)
         };
         let surface = |side: usize| pair.views[side].surface;
-        let nodes_fly = |side: usize, nodes: &[u32]| nodes.iter().any(|n| thrown.contains(side, *n));
+        let nodes_fly = |side: usize, nodes: &[u32]| nodes.iter().any(|n| thrown.is_due(side, *n));
         let node_flies = |side: usize, (node, triangle): (u32, u32)| {
-            thrown.contains(side, node)
-                || nodes_fly(1 - side, &surface(1 - side).triangles[triangle as usize])
+            thrown.is_due(side, node) || nodes_fly(1 - side, &surface(1 - side).triangles[triangle as usize])
         };
         let edge_flies = |side: usize, edge: u32| nodes_fly(side, &surface(side).edges[edge as usize].nodes);
-        let mut near = Candidates::default();
-        let wakes = self.wake.node_on_second_m.iter().zip(&self.ways.of_node_on_second).enumerate();
-        for (i, _) in wakes.filter(|(_, (wake_m, pair))| is_near(**wake_m, **pair)) {
-            let pair = all.node_on_second[i];
-            if node_flies(0, pair) && all.is_left_by_twins(i, states) {
-                near.node_on_second.push(pair);
-                near.were_one.extend(all.were_one.get(i));
-            }
+        let near_of = |wakes_m: &[f64], clusters: &[u32], flies: &(dyn Fn(usize) -> bool + Sync)| {
+            let wakes = wakes_m.par_iter().zip(clusters).enumerate().with_min_len(CHUNK);
+            let near = wakes.filter(|(place, (wake_m, pair))| is_near(**wake_m, **pair) && flies(*place));
+            near.map(|(place, _)| place).collect::<Vec<usize>>()
+        };
+        let (wake, ways) = (&self.wake, &self.ways);
+        let on_second = near_of(&wake.node_on_second_m, &ways.of_node_on_second, &|place| {
+            node_flies(0, all.node_on_second[place]) && all.is_left_by_twins(place, states)
+        });
+        let on_first = near_of(&wake.node_on_first_m, &ways.of_node_on_first, &|place| {
+            node_flies(1, all.node_on_first[place])
+        });
+        let edges = near_of(&wake.edge_pairs_m, &ways.of_edge_pair, &|place| {
+            let (first, second) = all.edge_pairs[place];
+            (edge_flies(0, first) || edge_flies(1, second)) && all.edges_are_left_by_twins(place, states)
+        });
+        Candidates {
+            node_on_second: on_second.iter().map(|place| all.node_on_second[*place]).collect(),
+            node_on_first: on_first.iter().map(|place| all.node_on_first[*place]).collect(),
+            edge_pairs: edges.iter().map(|place| all.edge_pairs[*place]).collect(),
+            were_one: on_second.iter().filter_map(|place| all.were_one.get(*place).copied()).collect(),
+            ..Candidates::default()
         }
-        let wakes = self.wake.node_on_first_m.iter().zip(&self.ways.of_node_on_first).zip(&all.node_on_first);
-        for ((wake_m, clusters), pair) in wakes {
-            if is_near(*wake_m, *clusters) && node_flies(1, *pair) {
-                near.node_on_first.push(*pair);
-            }
-        }
-        let wakes = self.wake.edge_pairs_m.iter().zip(&self.ways.of_edge_pair).enumerate();
-        for (i, _) in wakes.filter(|(_, (wake_m, pair))| is_near(**wake_m, **pair)) {
-            let (first, second) = all.edge_pairs[i];
-            let flies = edge_flies(0, first) || edge_flies(1, second);
-            if flies && all.edges_are_left_by_twins(i, states) {
-                near.edge_pairs.push((first, second));
-            }
-        }
-        near
     }
 
     /// The close candidates; of a body with itself only those that its twins leave.

@@ -4,12 +4,11 @@
 //! others. What depends on positions alone is worked out once, in [`Near`]; the looks that follow are cheap.
 
 use super::atomic::{AtomicCase, Verdict};
-use super::candidates::Candidates;
-use super::close::CloseList;
 use super::collision_list::CollisionList;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
 use super::impact::ImpactStore;
+use super::near::NEAR_AT_ONCE;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
@@ -127,11 +126,11 @@ impl PairDepths {
 
 /// Two features so near that they may touch within the step, and how they lie at its start.
 #[derive(Clone, Copy, Debug)]
-struct NearPair {
-    feature: Feature,
-    nodes: [(u8, u32); 4],
+pub(super) struct NearPair {
+    pub feature: Feature,
+    pub nodes: [(u8, u32); 4],
     geometry: Geometry,
-    size_m: f64,
+    pub size_m: f64,
     /// Whether a crack of the body parted the node and the patch.
     were_one: bool,
 }
@@ -144,7 +143,7 @@ impl NearPair {
     }
 
     /// Gap at the end of the step, m.
-    fn gap_after_m(&self, views: &[BodyView; 2], step_s: f64) -> f64 {
+    pub(super) fn gap_after_m(&self, views: &[BodyView; 2], step_s: f64) -> f64 {
         self.geometry.gap_m + step_s * self.opening_m_s(views)
     }
 
@@ -175,143 +174,23 @@ impl NearPair {
     }
 }
 
-/// Nodes of two bodies (or of one with itself, twice) whose ways the response has changed by much.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ThrownNodes {
-    /// By body and node; empty where there are none.
-    pub of_bodies: [Vec<bool>; 2],
-}
-
-impl ThrownNodes {
-    pub(super) fn contains(&self, side: usize, node: u32) -> bool {
-        self.of_bodies[side].get(node as usize) == Some(&true)
-    }
-}
-
-/// All that may touch between two bodies within a step.
-#[derive(Clone, Debug, Default)]
-pub struct Near {
-    /// Nodes of the first body and of the second one near patches of the other, by node and triangle.
-    nodes: [Vec<NearPair>; 2],
-    edges: Vec<NearPair>,
-    /// Of twins that are together.
-    twins: Vec<NearPair>,
-}
-
-impl Near {
-    /// Of a list that has been made ready for the step: sorts out what cannot touch even if the response changes ways by
-    /// `slack_m`, which must be what the list was made ready for.
-    #[must_use]
-    pub fn of_close(pair: &PairView, close: &CloseList, slack_m: f64) -> Self {
-        Self::among(pair, (close.candidates(), close.twin_states()), [close.way_m(), slack_m])
-    }
-
-    /// Looks again at what nodes may meet that the response has thrown: their ways may change by `slack_m`. The rest stays
-    /// as it was found.
-    pub fn look_again_at(
-        &mut self,
-        thrown: &ThrownNodes,
-        pair: &PairView,
-        (candidates, close): (&Candidates, &CloseList),
-        slack_m: f64,
-    ) {
-        let states = pair.twin_states(slack_m);
-        let reachable = close.thrown_within(candidates, (&states, thrown, pair), slack_m);
-        let found = Self::among(pair, (&reachable, &states), [close.way_m(), slack_m]);
-        let stays = |n: &NearPair| !n.nodes.iter().any(|(side, node)| thrown.contains(*side as usize, *node));
-        for (kept, found) in self.nodes.iter_mut().zip(found.nodes) {
-            kept.retain(stays);
-            kept.extend(found);
-            kept.sort_by_key(|n| n.feature);
-        }
-        self.edges.retain(stays);
-        self.edges.extend(found.edges);
-        self.twins = found.twins;
-    }
-
-    fn among(
-        pair: &PairView,
-        (candidates, twin_states): (&Candidates, &[TwinState]),
-        [way_m, slack_m]: [f64; 2],
-    ) -> Self {
-        let near_nodes = |side: usize, nodes: &[(u32, u32)], were_one: &[bool]| {
-            let side = NodeSide::new(pair, side);
-            let were_one = |i: usize| were_one.get(i) == Some(&true);
-            let near = nodes.par_iter().enumerate().with_min_len(NEAR_AT_ONCE);
-            near.filter_map(|(i, c)| side.near(*c, were_one(i), [way_m, slack_m])).collect()
-        };
-        let c = candidates;
-        let edges = c.edge_pairs.par_iter().with_min_len(NEAR_AT_ONCE);
-        Self {
-            nodes: [near_nodes(0, &c.node_on_second, &c.were_one), near_nodes(1, &c.node_on_first, &[])],
-            edges: edges.filter_map(|c| near_edges(pair, *c, way_m + slack_m)).collect(),
-            twins: near_twins(pair, twin_states, way_m + slack_m),
-        }
-    }
-
-    /// Appends the constraints of the pairs that touch.
-    pub fn find(&self, pair: &PairView, out: &mut Vec<Constraint>) {
-        for side in 0..2 {
-            let node_side = NodeSide::new(pair, side);
-            for of_node in self.nodes[side].chunk_by(|a, b| a.nodes[0] == b.nodes[0]) {
-                node_side.find(of_node, out);
-            }
-        }
-        out.extend(self.edges.iter().filter_map(|e| edge_constraint(pair, e)));
-        out.extend(self.twins.iter().filter_map(|t| twin_constraint(pair, t)));
-    }
-
-    /// Appends the constraints of the pairs that would penetrate by more than `depth` of the local size at the end
-    /// of the step, but for those that are known.
-    pub fn find_closing(
-        &self,
-        pair: &PairView,
-        depth: f64,
-        is_known: impl Fn(([u32; 2], Feature)) -> bool,
-        out: &mut Vec<Constraint>,
-    ) {
-        let mut found = Vec::new();
-        for side in 0..2 {
-            let node_side = NodeSide::new(pair, side);
-            let is_new = |n: &NearPair| {
-                n.gap_after_m(&node_side.views, pair.step_s) < -depth * n.size_m
-                    && !is_known((node_side.bodies, n.feature))
-            };
-            for of_node in self.nodes[side].chunk_by(|a, b| a.nodes[0] == b.nodes[0]) {
-                // The other patches at the node are its rivals, known or not.
-                if of_node.iter().any(is_new) {
-                    node_side.find(of_node, &mut found);
-                }
-            }
-        }
-        let edges = self.edges.iter().filter(|n| n.gap_after_m(&pair.views, pair.step_s) < -depth * n.size_m);
-        found.extend(edges.filter_map(|e| edge_constraint(pair, e)));
-        found.extend(self.twins.iter().filter_map(|t| twin_constraint(pair, t)));
-        let closes = |c: &Constraint| c.gap_m - pair.step_s * c.closing_m_s < -depth * c.size_m;
-        out.extend(found.into_iter().filter(|c| closes(c) && !is_known((c.bodies, c.feature))));
-    }
-}
-
-/// Close candidates that one task looks at.
-const NEAR_AT_ONCE: usize = 1024;
-
 /// Nodes of one body against patches of the other.
-struct NodeSide<'a> {
-    bodies: [u32; 2],
-    views: [BodyView<'a>; 2],
+pub(super) struct NodeSide<'a> {
+    pub bodies: [u32; 2],
+    pub views: [BodyView<'a>; 2],
     pair: &'a PairView<'a>,
 }
 
 impl<'a> NodeSide<'a> {
     /// Nodes of the first body (`side` 0) or of the second.
-    fn new(pair: &'a PairView<'a>, side: usize) -> Self {
+    pub(super) fn new(pair: &'a PairView<'a>, side: usize) -> Self {
         let ([a, b], [first, second]) = (pair.bodies, pair.views);
         let (bodies, views) = if side == 0 { ([a, b], [first, second]) } else { ([b, a], [second, first]) };
         Self { bodies, views, pair }
     }
 
     /// Appends the constraints of one node: one only where its patches are rivals.
-    fn find(&self, of_node: &[NearPair], out: &mut Vec<Constraint>) {
+    pub(super) fn find(&self, of_node: &[NearPair], out: &mut Vec<Constraint>) {
         let found: Vec<Constraint> = of_node.iter().filter_map(|n| self.constraint(n)).collect();
         let loses = |c: &&Constraint| found.iter().any(|rival| self.beats(rival, c));
         out.extend(found.iter().filter(|c| !loses(c)));
@@ -376,7 +255,7 @@ impl<'a> NodeSide<'a> {
     }
 
     /// The node and the patch if they may touch.
-    fn near(
+    pub(super) fn near(
         &self,
         (node, triangle): (u32, u32),
         were_one: bool,
@@ -546,7 +425,7 @@ impl Paths {
 }
 
 /// The contacts of twins that are together.
-fn near_twins(pair: &PairView, states: &[TwinState], reach_m: f64) -> Vec<NearPair> {
+pub(super) fn near_twins(pair: &PairView, states: &[TwinState], reach_m: f64) -> Vec<NearPair> {
     let view = &pair.views[0];
     let near = |(node, triangle): (u32, u32)| {
         let corners = view.surface.triangles[triangle as usize];
@@ -564,16 +443,17 @@ fn near_twins(pair: &PairView, states: &[TwinState], reach_m: f64) -> Vec<NearPa
         })
     };
     let pairs = (0_u32..).zip(states).filter(|(_, state)| **state == TwinState::Together);
-    pairs.flat_map(|(twins, _)| view.surface.twins.contacts(twins)).filter_map(near).collect()
+    let contacts: Vec<_> = pairs.flat_map(|(twins, _)| view.surface.twins.contacts(twins)).collect();
+    contacts.into_par_iter().with_min_len(NEAR_AT_ONCE).filter_map(near).collect()
 }
 
-fn twin_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
+pub(super) fn twin_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
     let touches = near.gap_after_m(&pair.views, pair.step_s) <= OWN_NEAR * near.size_m;
     touches.then(|| near.constraint(pair.bodies, &pair.views, pair))
 }
 
 /// Two edges if they may touch.
-fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Option<NearPair> {
+pub(super) fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Option<NearPair> {
     let [view1, view2] = &pair.views;
     let (n1, n2) = (view1.surface.edges[first as usize].nodes, view2.surface.edges[second as usize].nodes);
     let at = |view: &BodyView, n: [u32; 2]| n.map(|n| view.positions_m[n as usize]);
@@ -602,7 +482,7 @@ fn near_edges(pair: &PairView, (first, second): (u32, u32), way_m: f64) -> Optio
     })
 }
 
-fn edge_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
+pub(super) fn edge_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {
     let Feature::EdgeOnEdge { first, second } = near.feature else { return None };
     let is_held = pair.list.holds_edges(pair.bodies, [first, second]);
     let is_own = pair.is_own();
@@ -654,7 +534,7 @@ fn edge_fan(view: &BodyView, edge: u32) -> EdgeFan {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{SurfaceBoxes, candidates::between};
+    use super::super::{CloseList, Near, SurfaceBoxes, ThrownNodes, candidates::between};
     use super::*;
     use crate::mesh::Surface;
 
@@ -683,7 +563,7 @@ mod tests {
         let mut out = Vec::new();
         let mut close = CloseList::default();
         close.renew(&pair, &candidates, 0.0);
-        Near::of_close(&pair, &close, 0.0).find(&pair, &mut out);
+        Near::of_close(&pair, &close, &ThrownNodes::none(0.0)).find(&pair, &mut out);
         out.len()
     }
 

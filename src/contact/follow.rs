@@ -72,7 +72,8 @@ impl Candidates {
         let nodes = |old: &[(u32, u32)], new: Vec<(u32, u32)>, own: usize| {
             let mut all = kept(old, |(n, t)| Some((node(own, n)?, triangle(1 - own, t)?)));
             all.extend(new.into_iter().map(|entry| (entry, None)));
-            all.sort_unstable();
+            // Two runs that are sorted by themselves: the stable sort sees that and merges them.
+            all.sort();
             all.into_iter().unzip()
         };
         let (node_on_second, from_second) = nodes(&self.node_on_second, new.node_on_second, 0);

@@ -46,7 +46,7 @@ pub struct ContactSurface {
     /// For each triangle, which of its corners it speaks for when pairs are enumerated by triangles,
     /// so that no node is met twice.
     pub owns_node: Vec<[bool; 3]>,
-    /// For each triangle, the edges it speaks for.
+    /// For each triangle, the sharp edges it speaks for.
     pub owned_edges: Vec<[Option<u32>; 3]>,
     /// For each triangle, whether a crack opened there.
     pub crack_sides: Vec<Option<CrackSide>>,
@@ -116,7 +116,7 @@ impl ContactSurface {
         }
         let owns_node = first_owner_of_nodes(&triangles, reference_m.len());
         let mut owned_edges = vec![[None; 3]; triangles.len()];
-        for (index, edge) in edges.iter().enumerate() {
+        for (index, edge) in edges.iter().enumerate().filter(|(_, edge)| edge.is_sharp) {
             let slots = &mut owned_edges[edge.triangles[0] as usize];
             let free = slots.iter().position(Option::is_none).unwrap_or(2);
             slots[free] = Some(index as u32);

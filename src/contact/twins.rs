@@ -8,12 +8,16 @@ use super::detect::{BodyView, OWN_NEAR};
 use super::geometry::unit_normal;
 use super::surface::{CrackSide, NodeLists};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Distance of twins, over the local size, up to which they are together: what penetration may be.
 pub(super) const TOGETHER: f64 = 1e-3;
 /// Cosine of the angle between crack faces (8 degrees) up to which one stands for both: between twins that are together
 /// they differ by a seventh of [`TOGETHER`] at most.
 const ONE_FACE: f64 = 0.990;
+
+/// Pairs of twins that one task looks at.
+const TWINS_AT_ONCE: usize = 1024;
 
 /// How two twins lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +83,8 @@ impl Twins {
 
     /// How each pair lies.
     pub fn states(&self, view: &BodyView, step_s: f64, slack_m: f64) -> Vec<TwinState> {
-        (0_u32..).take(self.pairs.len()).map(|pair| self.state(pair, view, step_s, slack_m)).collect()
+        let pairs = (0..self.pairs.len() as u32).into_par_iter().with_min_len(TWINS_AT_ONCE);
+        pairs.map(|pair| self.state(pair, view, step_s, slack_m)).collect()
     }
 
     fn state(&self, pair: u32, view: &BodyView, step_s: f64, slack_m: f64) -> TwinState {

@@ -253,19 +253,20 @@ impl Ways {
         self.pairs.iter().map(|pair| pair.ahead_m).fold(0.0, f64::max)
     }
 
-    /// By pair of clusters: whether it has a node that `is_wanted`, given the side and the node.
-    pub fn with_nodes(&self, is_wanted: impl Fn(usize, u32) -> bool) -> Vec<bool> {
-        let of_side = |(number, side): (usize, &Side)| -> Vec<bool> {
-            let is_wanted =
-                |range: &[usize]| side.nodes[range[0]..range[1]].iter().any(|n| is_wanted(number, *n));
-            side.starts.windows(2).map(is_wanted).collect()
+    /// By pair of clusters: the largest `value` (not below zero) of a node of the first and of the second, given the side and the
+    /// node.
+    pub fn most_of_nodes(&self, value: impl Fn(usize, u32) -> f64) -> impl Iterator<Item = [f64; 2]> {
+        let of_side = |(number, side): (usize, &Side)| -> Vec<f64> {
+            let most = |range: &[usize]| {
+                side.nodes[range[0]..range[1]].iter().map(|n| value(number, *n)).fold(0.0, f64::max)
+            };
+            side.starts.windows(2).map(most).collect()
         };
-        let wanted: Vec<_> = self.sides.iter().enumerate().map(of_side).collect();
-        let of_pair = |pair: &ClusterPair| {
+        let most: Vec<_> = self.sides.iter().enumerate().map(of_side).collect();
+        self.pairs.iter().map(move |pair| {
             let [first, second] = pair.places.map(|place| place as usize);
-            wanted[0][first] || wanted[wanted.len() - 1][second]
-        };
-        self.pairs.iter().map(of_pair).collect()
+            [most[0][first], most[most.len() - 1][second]]
+        })
     }
 }
 

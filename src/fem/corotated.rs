@@ -77,9 +77,8 @@ pub(super) fn corotated_batch<S: Simd>(
         let strain = product_less_identity(simd, transpose(r), transpose(f));
         let stress = hooke(simd, shape, strain, group);
         add_totals(group, totals, strain, stress);
-        let stiffer = stiffening(simd, shape, strain, group);
-        let most = totals.stiffening.load(simd, group).max(stiffer);
-        totals.stiffening.store(group, most);
+        let stiffer = Lanes::splat(simd, 1.0) + stiffening(simd, shape, strain, group);
+        totals.add_eigenvalues(shape, stiffer, group);
         let first_piola =
             [symmetric_times(stress, r[0]), symmetric_times(stress, r[1]), symmetric_times(stress, r[2])];
         store_forces(corners, first_piola, load_gradients(simd, shape, group), group);

@@ -66,7 +66,10 @@ pub struct ElementBatches {
     pub(super) masses_kg: Vec<f64>,
     /// `2 / omega_max` of each element, s, in the caller's order.
     pub(super) steps_s: Vec<f64>,
-    /// How fast strain may stiffen `green` elements; see `green_step_factor`.
+    /// `lambda_max(M_e^-1 K_e)` of each element in its reference shape, 1/s2, in the caller's order: with its own mass until
+    /// [`Self::share_masses`].
+    pub(super) eigenvalues_per_s2: Vec<f64>,
+    /// How fast strain may stiffen `green` elements; see `stable_step`.
     pub(super) stiffening: f64,
     pub(super) arch: Arch,
 }
@@ -105,16 +108,16 @@ impl ElementBatches {
             layout.elements.iter().for_each(|element| chunk_of[*element as usize] = chunk);
         }
         let corners_m = |e: usize| tets[e].map(|node| reference_nodes_m[node as usize]);
-        let chunks = layouts
-            .into_par_iter()
-            .map(|layout| Chunk::new(layout, reference_nodes_m, tets, constants))
-            .collect();
         let masses_kg =
             (0..tets.len()).map(|e| constants[e].density_kg_m3 * signed_volume_m3(&corners_m(e))).collect();
-        let steps_s = (0..tets.len())
+        let steps_s: Vec<f64> = (0..tets.len())
             .into_par_iter()
             .map(|e| element_step_s(&gradients_per_m(&corners_m(e)), &constants[e]))
             .collect();
+        let eigenvalues_per_s2: Vec<f64> = steps_s.iter().map(|step_s| (2.0 / step_s).powi(2)).collect();
+        let given =
+            Given { nodes_m: reference_nodes_m, tets, constants, eigenvalues_per_s2: &eigenvalues_per_s2 };
+        let chunks = layouts.into_par_iter().map(|layout| Chunk::new(layout, &given)).collect();
         Ok(Self {
             chunks,
             chunk_of,
@@ -123,6 +126,7 @@ impl ElementBatches {
             constants: constants.to_vec(),
             masses_kg,
             steps_s,
+            eigenvalues_per_s2,
             stiffening: constants.iter().map(stiffening).fold(0.0, f64::max),
             arch: Arch::new(),
         })
@@ -141,44 +145,46 @@ impl ElementBatches {
     }
 }
 
+/// What chunks are built from, by element but for the nodes.
+pub(super) struct Given<'a> {
+    pub nodes_m: &'a [DVec3],
+    pub tets: &'a [[u32; 4]],
+    pub constants: &'a [ElasticConstants],
+    pub eigenvalues_per_s2: &'a [f64],
+}
+
 impl Chunk {
-    pub(super) fn new(
-        layout: ChunkLayout,
-        nodes_m: &[DVec3],
-        tets: &[[u32; 4]],
-        constants: &[ElasticConstants],
-    ) -> Self {
-        let batches = layout
-            .elements
-            .chunks(BATCH)
-            .map(|elements| Batch::new(elements, &layout.nodes, nodes_m, tets, constants))
-            .collect();
+    pub(super) fn new(layout: ChunkLayout, given: &Given) -> Self {
+        let of_batch = |elements: &[u32]| Batch::new(elements, &layout.nodes, given);
+        let batches = layout.elements.chunks(BATCH).map(of_batch).collect();
         Self { layout, batches }
+    }
+
+    /// Sets `lambda_max(M_e^-1 K_e)` of one of its elements, 1/s2.
+    pub(super) fn set_eigenvalue(&mut self, element: u32, eigenvalue_per_s2: f64) {
+        if let Some(place) = self.layout.elements.iter().position(|e| *e == element) {
+            self.batches[place / BATCH].shape.eigenvalue_per_s2.0[place % BATCH] = eigenvalue_per_s2;
+        }
     }
 }
 
 impl Batch {
     /// Lanes beyond the last element repeat it with zero stiffness: they add no force and no energy.
-    fn new(
-        elements: &[u32],
-        chunk_nodes: &[u32],
-        nodes_m: &[DVec3],
-        tets: &[[u32; 4]],
-        constants: &[ElasticConstants],
-    ) -> Self {
+    fn new(elements: &[u32], chunk_nodes: &[u32], given: &Given) -> Self {
         let mut batch = Self { shape: BatchShape::ZERO, corners: [[0; BATCH]; 4] };
         for lane in 0..BATCH {
             let element = elements[lane.min(elements.len() - 1)] as usize;
-            let tet = tets[element];
+            let tet = given.tets[element];
             for (corner, node) in tet.iter().enumerate() {
                 let local = chunk_nodes.binary_search(node);
                 batch.corners[corner][lane] = local.expect("a chunk lists every node of its elements") as u16;
             }
-            let corners_m = tet.map(|node| nodes_m[node as usize]);
+            let corners_m = tet.map(|node| given.nodes_m[node as usize]);
             let is_real = if lane < elements.len() { 1.0 } else { 0.0 };
             let volume_m3 = is_real * signed_volume_m3(&corners_m);
             let [_, gradients @ ..] = gradients_per_m(&corners_m);
-            batch.shape.set(lane, &gradients, volume_m3, &constants[element]);
+            batch.shape.set(lane, &gradients, volume_m3, &given.constants[element]);
+            batch.shape.eigenvalue_per_s2.0[lane] = is_real * given.eigenvalues_per_s2[element];
         }
         batch
     }

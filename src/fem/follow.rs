@@ -4,7 +4,7 @@
 //! chunk that gets too large falls apart. The work goes with what changes, not with the body.
 
 use super::ElasticConstants;
-use super::elements::{Chunk, ElementBatches, FemError, check_element, gradients_per_m};
+use super::elements::{Chunk, ElementBatches, FemError, Given, check_element, gradients_per_m};
 use super::partition::{CHUNK_ELEMENTS, CHUNK_NODES, ChunkLayout, layouts_of};
 use super::stable_step::element_step_s;
 use crate::mesh::signed_volume_m3;
@@ -21,7 +21,8 @@ pub struct ElementChanges<'a> {
 
 impl ElementBatches {
     /// Follows the elements of a body whose mesh has become `tets` with these reference positions. New elements are of the
-    /// material of those that they were cut from.
+    /// material of those that they were cut from. Their eigenvalues are those from before until
+    /// [`super::StepBound::follow`].
     ///
     /// # Errors
     /// [`FemError`] naming the first unsound element; the batches are as they were then.
@@ -43,6 +44,9 @@ impl ElementBatches {
         self.tets.extend_from_slice(&tets[first_new..]);
         self.masses_kg.resize(tets.len(), 0.0);
         self.steps_s.resize(tets.len(), 0.0);
+        for parent in changes.cut_from {
+            self.eigenvalues_per_s2.push(self.eigenvalues_per_s2[*parent as usize]);
+        }
         for e in touched() {
             let e = e as usize;
             self.tets[e] = tets[e];
@@ -86,7 +90,13 @@ impl ElementBatches {
             for (part, layout) in layouts_of(nodes_m, &self.tets, elements).into_iter().enumerate() {
                 let place = if part == 0 { number } else { self.chunks.len() };
                 layout.elements.iter().for_each(|e| self.chunk_of[*e as usize] = place as u32);
-                let chunk = Chunk::new(layout, nodes_m, &self.tets, &self.constants);
+                let given = Given {
+                    nodes_m,
+                    tets: &self.tets,
+                    constants: &self.constants,
+                    eigenvalues_per_s2: &self.eigenvalues_per_s2,
+                };
+                let chunk = Chunk::new(layout, &given);
                 if part == 0 {
                     self.chunks[place] = chunk
                 } else {

@@ -51,9 +51,17 @@ pub struct ElasticState {
     /// Largest `sqrt(E : E)` over the elements, `E` being the strain of the kinematics (Green-Lagrange for `NeoHookean`,
     /// with 1 added to its square where an element is inverted).
     pub max_strain: f64,
-    /// Bound of `omega^2 / omega_0^2 - 1` over the elements for [`ElementBatches::step_factor`], of the kinematics that
-    /// find it element by element; 0 for the others.
-    pub stiffening: f64,
+    /// Bound of the largest squared frequency in the deformed shape, 1/s2: over the elements, each with its shares of its
+    /// nodes' masses (see [`ElementBatches::share_masses`]). Not a bound with an element that is not finite.
+    pub eigenvalue_per_s2: f64,
+}
+
+impl ElasticState {
+    /// A stable step of the body as it is deformed, s. Infinite without elements.
+    #[must_use]
+    pub fn stable_step_s(&self) -> f64 {
+        2.0 / self.eigenvalue_per_s2.sqrt()
+    }
 }
 
 /// Memory that [`ElementBatches::forces`] works in; keep it from step to step.
@@ -69,7 +77,7 @@ pub struct ForceScratch {
 struct ChunkTotals {
     energy_j: f64,
     strain_squared: f64,
-    stiffening: f64,
+    eigenvalue_per_s2: f64,
 }
 
 impl ForceScratch {
@@ -104,7 +112,8 @@ impl ElementBatches {
         let pieces = work.map(|(((index, chunk), slots), totals)| {
             let slots = &mut slots[..chunk.layout.nodes.len()];
             let ahead = is_large.then(|| Ahead { next: self.chunks.get(index + 1), positions_m });
-            (ChunkForces { chunk, positions_m, kinematics, ahead, slots }, totals)
+            let stiffening = self.stiffening;
+            (ChunkForces { chunk, positions_m, kinematics, stiffening, ahead, slots }, totals)
         });
         let run = |(forces, totals): (ChunkForces, &mut ChunkTotals)| *totals = self.arch.dispatch(forces);
         if self.runs_parallel() {
@@ -117,7 +126,7 @@ impl ElementBatches {
         let squared = scratch.totals.iter().fold(zero, |sum, chunk| ElasticState {
             strain_energy_j: sum.strain_energy_j + chunk.energy_j,
             max_strain: sum.max_strain.max(chunk.strain_squared),
-            stiffening: sum.stiffening.max(chunk.stiffening),
+            eigenvalue_per_s2: sum.eigenvalue_per_s2.max(chunk.eigenvalue_per_s2),
         });
         ElasticState { max_strain: squared.max_strain.sqrt(), ..squared }
     }
@@ -179,6 +188,8 @@ struct ChunkForces<'a> {
     chunk: &'a Chunk,
     positions_m: &'a [DVec3],
     kinematics: ElementKinematics,
+    /// Of `green` elements; see [`ElementBatches::stiffening`].
+    stiffening: f64,
     /// For bodies that do not fit into caches.
     ahead: Option<Ahead<'a>>,
     /// Out: force of the chunk on its nodes, N.
@@ -223,7 +234,7 @@ impl WithSimd for ChunkForces<'_> {
         ChunkTotals {
             energy_j: totals.energy_j.0.iter().fold(0.0, |sum, x| sum + x),
             strain_squared: most(&totals.strain_squared),
-            stiffening: most(&totals.stiffening),
+            eigenvalue_per_s2: most(&totals.eigenvalue_per_s2),
         }
     }
 }
@@ -247,7 +258,7 @@ impl ChunkForces<'_> {
             }
             for (batch, rows) in block.iter().zip(&mut block_rows) {
                 match KINEMATICS {
-                    GREEN => green_batch(simd, &batch.shape, rows, &mut totals),
+                    GREEN => green_batch(simd, &batch.shape, rows, &mut totals, self.stiffening),
                     BODY_FRAME => body_frame_batch(simd, &batch.shape, rows, &mut totals),
                     COROTATED => corotated_batch(simd, &batch.shape, rows, &mut totals),
                     _ => neo_hookean_batch(simd, &batch.shape, rows, &mut totals),

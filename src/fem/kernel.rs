@@ -28,11 +28,17 @@ pub(super) struct BatchShape {
     pub lambda_volume_j: Row,
     /// `V_0 mu`, J.
     pub mu_volume_j: Row,
+    /// `lambda_max(M_e^-1 K_e)` in the reference shape with the element's shares of its nodes' masses, 1/s2.
+    pub eigenvalue_per_s2: Row,
 }
 
 impl BatchShape {
-    pub(super) const ZERO: Self =
-        Self { gradients_per_m: [Row::ZERO; 9], lambda_volume_j: Row::ZERO, mu_volume_j: Row::ZERO };
+    pub(super) const ZERO: Self = Self {
+        gradients_per_m: [Row::ZERO; 9],
+        lambda_volume_j: Row::ZERO,
+        mu_volume_j: Row::ZERO,
+        eigenvalue_per_s2: Row::ZERO,
+    };
 
     /// Fills one lane from `g_1, g_2, g_3`, the volume and the material.
     pub(super) fn set(
@@ -71,25 +77,36 @@ pub(super) struct LaneTotals {
     pub energy_j: Row,
     /// Largest `E : E`.
     pub strain_squared: Row,
-    /// Largest bound of `omega^2 / omega_0^2 - 1`, of the laws that find it element by element.
-    pub stiffening: Row,
+    /// Largest bound of `lambda_max(M_e^-1 K_e)` in the deformed shape, 1/s2.
+    pub eigenvalue_per_s2: Row,
 }
 
 impl LaneTotals {
     pub(super) const ZERO: Self =
-        Self { energy_j: Row::ZERO, strain_squared: Row::ZERO, stiffening: Row::ZERO };
+        Self { energy_j: Row::ZERO, strain_squared: Row::ZERO, eigenvalue_per_s2: Row::ZERO };
+
+    /// Takes note of elements whose squared frequencies are at most `factor` times those of the reference shape.
+    #[inline(always)]
+    pub(super) fn add_eigenvalues<S: Simd>(&mut self, shape: &BatchShape, factor: Lanes<S>, group: usize) {
+        let simd = factor.simd();
+        let eigenvalue = shape.eigenvalue_per_s2.load(simd, group) * factor;
+        let most = self.eigenvalue_per_s2.load(simd, group).max(eigenvalue);
+        self.eigenvalue_per_s2.store(group, most);
+    }
 }
 
 /// Symmetric matrix per lane: xx, yy, zz, xy, xz, yz.
 pub(super) type Symmetric<S> = [Lanes<S>; 6];
 
-/// Replaces the corner positions of a batch by the corner forces, Green-Lagrange strain.
+/// Replaces the corner positions of a batch by the corner forces, Green-Lagrange strain; `stiffening` is the coefficient of
+/// strain in the bound of the squared frequencies (see `stable_step`).
 #[inline(always)]
 pub(super) fn green_batch<S: Simd>(
     simd: S,
     shape: &BatchShape,
     corners: &mut CornerRows,
     totals: &mut LaneTotals,
+    stiffening: f64,
 ) {
     for group in 0..BATCH / S::F64_LANES {
         let gradients = load_gradients(simd, shape, group);
@@ -101,6 +118,9 @@ pub(super) fn green_batch<S: Simd>(
         let strain = scale(twice_strain, half);
         let stress = hooke(simd, shape, strain, group);
         add_totals(group, totals, strain, stress);
+        let size = contract(strain, strain).sqrt();
+        let factor = Lanes::splat(simd, 1.0) + Lanes::splat(simd, stiffening) * size;
+        totals.add_eigenvalues(shape, factor, group);
         let first_piola =
             [symmetric_times(stress, f[0]), symmetric_times(stress, f[1]), symmetric_times(stress, f[2])];
         store_forces(corners, first_piola, gradients, group);
@@ -129,6 +149,8 @@ pub(super) fn body_frame_batch<S: Simd>(
         ];
         let [xx, yy, zz, xy, xz, yz] = hooke(simd, shape, strain, group);
         add_totals(group, totals, strain, [xx, yy, zz, xy, xz, yz]);
+        // Its stiffness is constant.
+        totals.add_eigenvalues(shape, one, group);
         let stress = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         store_forces(corners, stress, gradients, group);
     }

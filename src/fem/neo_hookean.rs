@@ -86,8 +86,7 @@ pub(super) fn neo_hookean_batch<S: Simd>(
         let strain = contract(m.q, m.q) * splat(0.25);
         let seen = strain + m.jacobian.if_positive(zero, one);
         totals.strain_squared.store(group, totals.strain_squared.load(simd, group).max(seen));
-        let stiffer = m.stiffening(simd, j, strain);
-        totals.stiffening.store(group, totals.stiffening.load(simd, group).max(stiffer));
+        totals.add_eigenvalues(shape, one + m.stiffening(simd, j, strain), group);
         let u = m.t * splat(0.25);
         let z = u / (u + splat(2.0));
         u_row.store(group, u);

@@ -11,9 +11,7 @@
 //! The usual `min altitude / c_p` is larger than the element's `2 / omega_max` in every case
 //! (`G` with equal masses gives `omega^2 >= 4 c_p^2 / altitude^2`); it needs the factor `cfl` to be safe, this does not.
 
-use super::{
-    ElasticConstants, ElasticState, ElementBatches, ElementKinematics, ScaledNodeMasses, scale_masses,
-};
+use super::{ElasticConstants, ElementBatches, ElementKinematics, ScaledNodeMasses, scale_masses};
 use crate::math::symmetric_eigenvalues;
 use glam::{DMat3, DVec3};
 
@@ -27,7 +25,7 @@ pub(super) struct Sharing {
     /// Each node gives its elements mass in proportion to these.
     pub weights: Vec<f64>,
     /// `lambda_max(M_e^-1 K_e)` of each element, 1/s2.
-    pub eigenvalues: Vec<f64>,
+    pub eigenvalues_per_s2: Vec<f64>,
     largest: f64,
 }
 
@@ -59,6 +57,36 @@ impl ElementBatches {
     #[must_use]
     pub fn stable_step_s(&self, node_masses_kg: &[f64]) -> f64 {
         2.0 / self.best_sharing(node_masses_kg).largest.sqrt()
+    }
+
+    /// Shares the masses of the nodes as well as is known, for [`super::ElasticState::eigenvalue_per_s2`]; returns the
+    /// [`Self::stable_step_s`] that goes with it, s.
+    pub fn share_masses(&mut self, node_masses_kg: &[f64]) -> f64 {
+        let sharing = self.best_sharing(node_masses_kg);
+        self.set_eigenvalues(sharing.eigenvalues_per_s2);
+        2.0 / sharing.largest.sqrt()
+    }
+
+    /// For a body that is stable in its reference shape at this step (s) by a way to share its masses that is not known
+    /// element by element: as if every element asked for it.
+    pub fn share_masses_evenly(&mut self, stable_step_s: f64) {
+        self.set_eigenvalues(vec![(2.0 / stable_step_s).powi(2); self.element_count()]);
+    }
+
+    pub(super) fn set_eigenvalues(&mut self, eigenvalues_per_s2: Vec<f64>) {
+        for chunk in &mut self.chunks {
+            let places = chunk.batches.iter_mut().flat_map(|batch| &mut batch.shape.eigenvalue_per_s2.0);
+            for (place, element) in places.zip(&chunk.layout.elements) {
+                *place = eigenvalues_per_s2[*element as usize];
+            }
+        }
+        self.eigenvalues_per_s2 = eigenvalues_per_s2;
+    }
+
+    /// Sets `lambda_max(M_e^-1 K_e)` of one element, 1/s2.
+    pub(super) fn set_eigenvalue(&mut self, element: u32, eigenvalue_per_s2: f64) {
+        self.eigenvalues_per_s2[element as usize] = eigenvalue_per_s2;
+        self.chunks[self.chunk_of[element as usize] as usize].set_eigenvalue(element, eigenvalue_per_s2);
     }
 
     /// Makes nodes heavier so that the step becomes as long as it can with at most `max_share` (not negative) of
@@ -116,7 +144,7 @@ impl ElementBatches {
         let mut best = self.share(node_masses_kg, self.masses_kg.clone());
         for _ in 1..SHARING_ROUNDS {
             // Elements that came out stiff get a larger share of their nodes.
-            let stiffer = best.weights.iter().zip(&best.eigenvalues);
+            let stiffer = best.weights.iter().zip(&best.eigenvalues_per_s2);
             let weights = stiffer.map(|(weight, x)| weight * (x / best.largest)).collect();
             let next = self.share(node_masses_kg, weights);
             if next.largest >= best.largest {
@@ -127,38 +155,25 @@ impl ElementBatches {
         best
     }
 
-    fn share(&self, node_masses_kg: &[f64], weights: Vec<f64>) -> Sharing {
+    pub(super) fn share(&self, node_masses_kg: &[f64], weights: Vec<f64>) -> Sharing {
         let mut weights_at_nodes = vec![0.0; self.node_count()];
         for (tet, weight) in self.tets.iter().zip(&weights) {
             for &node in tet {
                 weights_at_nodes[node as usize] += weight;
             }
         }
-        let eigenvalues = self.map_elements(|element, gradients_per_m| {
+        let eigenvalues_per_s2 = self.map_elements(|element, gradients_per_m| {
             let corner_kg = self.tets[element].map(|node| {
                 let share = weights[element] / weights_at_nodes[node as usize];
                 node_masses_kg[node as usize] * share
             });
             sharing_eigenvalue(self, element, &gradients_per_m, corner_kg)
         });
-        Sharing { largest: eigenvalues.iter().copied().fold(0.0, f64::max), weights, eigenvalues }
+        let largest = eigenvalues_per_s2.iter().copied().fold(0.0, f64::max);
+        Sharing { weights, eigenvalues_per_s2, largest }
     }
 
-    /// By how much the stable step shrinks, at most, when a body is deformed: a factor in (0, 1] for
-    /// [`Self::stable_step_s`], with what the last [`Self::forces`] found.
-    #[must_use]
-    pub fn step_factor(&self, kinematics: ElementKinematics, state: &ElasticState) -> f64 {
-        match kinematics {
-            ElementKinematics::Green => self.green_step_factor(state.max_strain),
-            // Its stiffness is constant.
-            ElementKinematics::BodyFrame { .. } => 1.0,
-            ElementKinematics::Corotated | ElementKinematics::NeoHookean => {
-                (1.0 + state.stiffening).sqrt().recip()
-            }
-        }
-    }
-
-    /// The largest norm of the Cauchy stress of these constants (Pa) where [`ElasticState::max_strain`] is `strain`, below
+    /// The largest norm of the Cauchy stress of these constants (Pa) where [`super::ElasticState::max_strain`] is `strain`, below
     /// 1/2. Of `green`, with stretches between `sqrt(1 - 2 e)` and `sqrt(1 + 2 e)`,
     /// `|sigma| <= (3 |lambda| + 2 mu) e (1 + 2e)/(1 - 2e)^(3/2)`.
     #[must_use]
@@ -172,17 +187,6 @@ impl ElementBatches {
             ElementKinematics::Corotated => super::corotated::most_stress_pa(constants, strain),
             ElementKinematics::NeoHookean => super::neo_hookean::most_stress_pa(constants, strain),
         }
-    }
-
-    /// By how much the stable step shrinks, at most, when a `green` body is deformed: a factor in (0, 1] for
-    /// [`Self::stable_step_s`], from [`ElasticState::max_strain`].
-    ///
-    /// With `F` of largest stretch `s` and largest principal stress `p`, the tangent stiffness obeys
-    /// `omega^2 <= omega_0^2 s^2 + (4/rho) p^+ c_1` (material and geometric part). With
-    /// `e = sqrt(E : E)`: `s^2 <= 1 + 2e`, `p <= (sqrt(3) |lambda| + 2 mu) e`, and `omega_0^2 >= (4/rho) (lambda + 2 mu) c_1`, so
-    /// `omega^2 / omega_0^2 <= 1 + (2 + (sqrt(3) |lambda| + 2 mu)/(lambda + 2 mu)) e`.
-    fn green_step_factor(&self, max_strain: f64) -> f64 {
-        (1.0 + self.stiffening * max_strain).sqrt().recip()
     }
 }
 
@@ -200,7 +204,12 @@ pub(super) fn sharing_eigenvalue(
     volume_m3 * stiffness_eigenvalue(&gram, constants)
 }
 
-/// The coefficient of strain in [`ElementBatches::green_step_factor`].
+/// The coefficient of strain in the bound of the squared frequencies of a deformed `green` element.
+///
+/// With `F` of largest stretch `s` and largest principal stress `p`, the tangent stiffness obeys
+/// `omega^2 <= omega_0^2 s^2 + V_0 p^+ c_1` (material and geometric part). With
+/// `e = sqrt(E : E)`: `s^2 <= 1 + 2e`, `p <= (sqrt(3) |lambda| + 2 mu) e`, and `omega_0^2 >= V_0 (lambda + 2 mu) c_1`, so
+/// `omega^2 / omega_0^2 <= 1 + (2 + (sqrt(3) |lambda| + 2 mu)/(lambda + 2 mu)) e`.
 pub(super) fn stiffening(constants: &ElasticConstants) -> f64 {
     let (lambda, mu) = (constants.lambda_pa, constants.mu_pa);
     2.0 + (3.0_f64.sqrt() * lambda.abs() + 2.0 * mu) / (lambda + 2.0 * mu)

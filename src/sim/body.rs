@@ -3,6 +3,7 @@
 use super::breaking::Breaking;
 use super::pull::Grip;
 use super::rigid::RigidMotion;
+use super::step_factor::HeldStepFactor;
 use super::{
     BodyMotion, BodySetup, BoundaryAction, FractureParameters, Kinematics, PrescribedMotion, SimError,
 };
@@ -94,12 +95,8 @@ pub(super) struct Elasticity {
     /// What damping by stiffness adds to the accelerations of the nodes, m/s2; empty without it.
     pub damping_m_s2: Vec<DVec3>,
     pub strain_energy_j: f64,
-    /// Factor on the critical step that the present deformation needs.
-    pub needed_step_factor: f64,
-    /// Factor on the critical step for large strain, held over many steps (see `Body::hold_step_factor`).
-    pub step_factor: f64,
-    /// Steps since a smaller factor was last needed.
-    pub steps_held: u32,
+    /// Factor on the critical step for large strain.
+    pub step_factor: HeldStepFactor,
     pub mass_scaling: MassScaling,
     /// Largest angle by which the frame advanced by dynamics missed the best fit in one step, summed, rad.
     pub frame_drift_rad: f64,
@@ -459,13 +456,13 @@ fn build_elasticity(setup: &BodySetup) -> Result<(Option<Elasticity>, Vec<f64>),
     let per_element: Vec<ElasticConstants> =
         setup.element_material.iter().map(|m| constants[*m as usize]).collect();
     let mesh = &setup.mesh;
-    let elements =
+    let mut elements =
         ElementBatches::new(&mesh.nodes_m, &mesh.tets, &per_element).map_err(|e| fail(e.to_string()))?;
     let BodyMotion::Deformable(kinematics) = setup.motion else {
         let mass_kg = elements.lumped_masses_kg(None);
         return Ok((None, mass_kg));
     };
-    let (mass_kg, mass_scaling) = scale_masses(&elements, setup.mass_scaling_max_share);
+    let (mass_kg, mass_scaling) = scale_masses(&mut elements, setup.mass_scaling_max_share);
     let mean = |value: fn(&super::Material) -> f64| {
         let volumes = setup.element_material.iter().zip(elements.element_masses_kg());
         let (sum, total) = volumes.fold((0.0, 0.0), |(sum, total), (m, kg)| {
@@ -482,9 +479,7 @@ fn build_elasticity(setup: &BodySetup) -> Result<(Option<Elasticity>, Vec<f64>),
         elements,
         scratch: ForceScratch::default(),
         strain_energy_j: 0.0,
-        needed_step_factor: 1.0,
-        step_factor: 1.0,
-        steps_held: 0,
+        step_factor: HeldStepFactor::default(),
         mass_scaling,
         frame_drift_rad: 0.0,
     };
@@ -492,14 +487,15 @@ fn build_elasticity(setup: &BodySetup) -> Result<(Option<Elasticity>, Vec<f64>),
 }
 
 /// Lumped masses, and what scaling them up to `max_share` of the body's mass did.
-fn scale_masses(elements: &ElementBatches, max_share: f64) -> (Vec<f64>, MassScaling) {
+fn scale_masses(elements: &mut ElementBatches, max_share: f64) -> (Vec<f64>, MassScaling) {
     let mass_kg = elements.lumped_masses_kg(None);
-    let step_before_s = elements.stable_step_s(&mass_kg);
+    let step_before_s = elements.share_masses(&mass_kg);
     if max_share <= 0.0 {
         let none = MassScaling { step_before_s, step_after_s: step_before_s, ..MassScaling::default() };
         return (mass_kg, none);
     }
     let scaled = elements.scale_node_masses(&mass_kg, max_share);
+    elements.share_masses_evenly(scaled.step_s);
     let report = MassScaling {
         added_kg: scaled.added_mass_kg,
         added_share: scaled.added_mass_kg / mass_kg.iter().sum::<f64>(),

@@ -65,11 +65,6 @@ impl ContactScene<'_> {
         }
     }
 
-    /// What is near in the step; the response may change the ways of the points relative to each other a little.
-    fn near(&self, pair: &NearPair) -> Near {
-        Near::of_close(&self.pair_view(pair), &pair.close, look_slack_m(self.bodies, pair.bodies))
-    }
-
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
         self.table_with(constraints, |_, v| v)
     }
@@ -300,58 +295,31 @@ struct Look {
 
 struct PairLook {
     near: Near,
-    /// Nodes whose ways the response has changed by more than the first look allowed for,
     thrown: ThrownNodes,
-    /// and the change of ways that the last look at them allows for, m.
-    thrown_slack_m: f64,
 }
 
 impl Look {
     fn first(scene: &ContactScene) -> Self {
-        let of_pair = |pair: &&NearPair| PairLook {
-            near: scene.near(pair),
-            thrown: ThrownNodes::default(),
-            thrown_slack_m: 0.0,
+        let of_pair = |pair: &&NearPair| {
+            let thrown = ThrownNodes::none(look_slack_m(scene.bodies, pair.bodies));
+            PairLook { near: Near::of_close(&scene.pair_view(pair), &pair.close, &thrown), thrown }
         };
         Self { pairs: scene.pairs.iter().map(of_pair).collect() }
     }
 
     /// Looks anew at the nodes whose ways the response has changed by more than was allowed for.
     fn renew(&mut self, scene: &ContactScene, corrected: &NodeTable) {
-        let mut change_m = vec![0.0_f64; scene.bodies.len()];
-        let changes: Vec<(usize, u32, f64)> = corrected
-            .nodes
-            .iter()
-            .zip(corrected.predicted_m_s())
-            .map(|(node, predicted)| {
-                let change_m = scene.step_s * (node.velocity_m_s - *predicted).length();
-                (node.body as usize, node.node, change_m)
-            })
-            .collect();
-        for (body, _, change) in &changes {
-            change_m[*body] = change_m[*body].max(*change);
+        let mut changes_m: Vec<Vec<(u32, f64)>> = vec![Vec::new(); scene.bodies.len()];
+        for (node, predicted) in corrected.nodes.iter().zip(corrected.predicted_m_s()) {
+            let change_m = scene.step_s * (node.velocity_m_s - *predicted).length();
+            changes_m[node.body as usize].push((node.node, change_m));
         }
         for (look, pair) in self.pairs.iter_mut().zip(&scene.pairs) {
-            let slack_m = look_slack_m(scene.bodies, pair.bodies);
-            let most_m = pair.bodies.map(|body| change_m[body]).iter().sum::<f64>();
-            if most_m <= slack_m {
-                continue;
-            }
-            // Two that are not thrown come no nearer to each other than the first look allowed for.
-            let thrown = pair.bodies.map(|body| {
-                let mut thrown = vec![false; scene.bodies[body].position_m.len()];
-                let of_body = changes.iter().filter(|(b, _, change)| *b == body && *change > 0.5 * slack_m);
-                of_body.for_each(|(_, node, _)| thrown[*node as usize] = true);
-                thrown
-            });
-            let thrown = ThrownNodes { of_bodies: thrown };
-            if most_m > look.thrown_slack_m || thrown != look.thrown {
-                look.thrown_slack_m = look.thrown_slack_m.max(2.0 * most_m);
-                look.thrown = thrown;
-                // The velocities are the corrected ones now, a change away from those that slack counts from.
-                let slack_m = look.thrown_slack_m + most_m;
+            let of_bodies = pair.bodies.map(|body| changes_m[body].as_slice());
+            let node_counts = pair.bodies.map(|body| scene.bodies[body].position_m.len());
+            if look.thrown.follow(of_bodies, node_counts) {
                 let lists = (&pair.candidates, &pair.close);
-                look.near.look_again_at(&look.thrown, &scene.pair_view(pair), lists, slack_m);
+                look.near.look_again_at(&look.thrown, &scene.pair_view(pair), lists);
             }
         }
     }
@@ -368,7 +336,7 @@ impl Look {
     fn find_closing(
         &self,
         scene: &ContactScene,
-        is_known: impl Fn(([u32; 2], Feature)) -> bool,
+        is_known: impl Fn(([u32; 2], Feature)) -> bool + Sync,
     ) -> Vec<Constraint> {
         let mut found = Vec::new();
         for (look, pair) in self.pairs.iter().zip(&scene.pairs) {

@@ -15,10 +15,6 @@ use rayon::prelude::*;
 /// Bodies with fewer nodes are not worth a second thread in node loops.
 const PARALLEL_NODES: usize = 8192;
 const CHUNK: usize = 2048;
-/// Ratio between the stages of the step's factor for large strain.
-const STEP_STAGE: f64 = 0.8;
-/// Steps for which a longer step must have been possible before the step grows by one stage.
-const STEP_HELD: u32 = 2000;
 
 /// What the world is like for a body in a step.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +29,7 @@ impl Body {
     /// stiffness and for springs that pull.
     pub fn stable_step_s(&self) -> f64 {
         let Some(elasticity) = &self.elasticity else { return f64::INFINITY };
-        let step_s = elasticity.critical_step_s * elasticity.step_factor;
+        let step_s = elasticity.critical_step_s * elasticity.step_factor.factor();
         self.pulled_step_s(crate::fem::damped_step_s(step_s, elasticity.stiffness_damping_s))
     }
 
@@ -41,29 +37,6 @@ impl Body {
     pub fn crossing_s(&self) -> f64 {
         let elements = 2.0 * self.radius_m / self.mean_size_m.max(f64::MIN_POSITIVE);
         elements * self.stable_step_s().min(1.0)
-    }
-
-    /// Follows the strain with the step, in few and lasting stages.
-    ///
-    /// A step that swings with the vibration of the body is a parametric excitation: central differences were
-    /// seen to blow up at half the stability limit when it followed every change of the largest strain.
-    fn hold_step_factor(&mut self) {
-        let Some(elasticity) = &mut self.elasticity else { return };
-        let needed = elasticity.needed_step_factor;
-        let stage = needed.log(STEP_STAGE).ceil();
-        let wanted = STEP_STAGE.powf(stage);
-        if wanted < elasticity.step_factor {
-            elasticity.step_factor = wanted;
-            elasticity.steps_held = 0;
-        } else if wanted > elasticity.step_factor {
-            elasticity.steps_held += 1;
-            if elasticity.steps_held >= STEP_HELD {
-                elasticity.step_factor = (elasticity.step_factor / STEP_STAGE).min(1.0);
-                elasticity.steps_held = 0;
-            }
-        } else {
-            elasticity.steps_held = 0;
-        }
     }
 
     /// First half of the kick: velocities become those of the middle of the step.
@@ -214,11 +187,10 @@ impl Body {
             &mut self.force_n,
         );
         elasticity.strain_energy_j = state.strain_energy_j;
-        elasticity.needed_step_factor = elasticity.elements.step_factor(kinematics, &state);
         if !state.strain_energy_j.is_finite() {
             return Err(self.not_finite(c));
         }
-        self.hold_step_factor();
+        elasticity.step_factor.follow((state.stable_step_s() / elasticity.critical_step_s).min(1.0));
         self.add_stiffness_damping(c.step_s);
         self.add_loads(c);
         self.add_pulls(c);

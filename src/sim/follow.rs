@@ -63,13 +63,13 @@ impl Body {
         elements
             .follow(&self.reference_m, &self.tets, of_elements)
             .map_err(|e| SimError::Setup(format!("body `{}` after fracture: {e}", self.name)))?;
-        let body = CutBody {
+        let mut body = CutBody {
             elements,
             reference_m: &self.reference_m,
             node_masses_kg: &self.mass_kg,
             elements_at: |node| solid.elements_at(node),
         };
-        bound.follow(&body, &changes.touched_nodes, of_elements);
+        bound.follow(&mut body, &changes.touched_nodes, of_elements);
         elasticity.critical_step_s = bound.step_s();
         Ok(())
     }

@@ -23,6 +23,7 @@ mod rest;
 mod rigid;
 mod setup;
 mod step;
+mod step_factor;
 mod touch;
 mod world;
 

@@ -1,0 +1,150 @@
+//! What may touch within a step: found once, and again where the response has thrown nodes about.
+
+use super::candidates::Candidates;
+use super::close::CloseList;
+use super::constraint::{Constraint, Feature};
+use super::detect::{NearPair, NodeSide, PairView, edge_constraint, near_edges, near_twins, twin_constraint};
+use super::thrown::ThrownNodes;
+use super::twins::TwinState;
+use rayon::prelude::*;
+
+/// All that may touch between two bodies within a step.
+#[derive(Clone, Debug, Default)]
+pub struct Near {
+    /// Nodes of the first body and of the second one near patches of the other, by node and triangle.
+    nodes: [Vec<NearPair>; 2],
+    edges: Vec<NearPair>,
+    /// Of twins that are together.
+    twins: Vec<NearPair>,
+}
+
+impl Near {
+    /// Of a list that has been made ready for the step: sorts out what cannot touch even if the response changes ways as
+    /// far as `thrown` reckons with, which must be what the list was made ready for.
+    #[must_use]
+    pub fn of_close(pair: &PairView, close: &CloseList, thrown: &ThrownNodes) -> Self {
+        Self::among(pair, (close.candidates(), close.twin_states()), close.way_m(), thrown)
+    }
+
+    /// Looks again at what the nodes may meet that the response has thrown further than was reckoned with. The rest stays as it
+    /// was found.
+    pub fn look_again_at(
+        &mut self,
+        thrown: &ThrownNodes,
+        pair: &PairView,
+        (candidates, close): (&Candidates, &CloseList),
+    ) {
+        let states = pair.twin_states(thrown.most_m());
+        let reachable = close.thrown_within(candidates, (&states, thrown, pair));
+        let found = Self::among(pair, (&reachable, &states), close.way_m(), thrown);
+        let stays = |n: &NearPair| !n.nodes.iter().any(|(side, node)| thrown.is_due(*side as usize, *node));
+        for (kept, found) in self.nodes.iter_mut().zip(found.nodes) {
+            kept.retain(stays);
+            kept.extend(found);
+            kept.sort_by_key(|n| n.feature);
+        }
+        self.edges.retain(stays);
+        self.edges.extend(found.edges);
+        self.twins = found.twins;
+    }
+
+    fn among(
+        pair: &PairView,
+        (candidates, twin_states): (&Candidates, &[TwinState]),
+        way_m: f64,
+        thrown: &ThrownNodes,
+    ) -> Self {
+        let near_nodes = |side: usize, nodes: &[(u32, u32)], were_one: &[bool]| {
+            let node_side = NodeSide::new(pair, side);
+            let were_one = |i: usize| were_one.get(i) == Some(&true);
+            let slack_m = |(node, triangle): (u32, u32)| {
+                thrown.slack_m(side, &[node], &node_side.views[1].surface.triangles[triangle as usize])
+            };
+            let near = nodes.par_iter().enumerate().with_min_len(NEAR_AT_ONCE);
+            near.filter_map(|(i, c)| node_side.near(*c, were_one(i), [way_m, slack_m(*c)])).collect()
+        };
+        let c = candidates;
+        let ends = |side: usize, edge: u32| pair.views[side].surface.edges[edge as usize].nodes;
+        let of_edges =
+            |c: &(u32, u32)| near_edges(pair, *c, way_m + thrown.slack_m(0, &ends(0, c.0), &ends(1, c.1)));
+        let edges = c.edge_pairs.par_iter().with_min_len(NEAR_AT_ONCE);
+        Self {
+            nodes: [near_nodes(0, &c.node_on_second, &c.were_one), near_nodes(1, &c.node_on_first, &[])],
+            edges: edges.filter_map(of_edges).collect(),
+            twins: near_twins(pair, twin_states, way_m + thrown.most_m()),
+        }
+    }
+
+    /// Appends the constraints of the pairs that touch.
+    pub fn find(&self, pair: &PairView, out: &mut Vec<Constraint>) {
+        for side in 0..2 {
+            let node_side = NodeSide::new(pair, side);
+            out.extend(self.of_nodes(side, |of_node, found| node_side.find(of_node, found)));
+        }
+        out.extend(self.of_edges_and_twins(pair, |_| true));
+    }
+
+    /// What `find` adds, node by node of a side.
+    fn of_nodes(
+        &self,
+        side: usize,
+        find: impl Fn(&[NearPair], &mut Vec<Constraint>) + Sync,
+    ) -> Vec<Constraint> {
+        let of_nodes: Vec<&[NearPair]> = self.nodes[side].chunk_by(|a, b| a.nodes[0] == b.nodes[0]).collect();
+        let of_part = |part: &[&[NearPair]]| {
+            let mut found = Vec::new();
+            part.iter().for_each(|of_node| find(of_node, &mut found));
+            found
+        };
+        if of_nodes.len() <= NODES_AT_ONCE {
+            return of_part(&of_nodes);
+        }
+        of_nodes.par_chunks(NODES_AT_ONCE).map(of_part).collect::<Vec<_>>().concat()
+    }
+
+    /// The constraints of edges that `is_wanted` and of twins.
+    fn of_edges_and_twins(
+        &self,
+        pair: &PairView,
+        is_wanted: impl Fn(&NearPair) -> bool + Sync,
+    ) -> Vec<Constraint> {
+        let edges = self.edges.par_iter().with_min_len(NEAR_AT_ONCE).filter(|n| is_wanted(n));
+        let twins = self.twins.par_iter().with_min_len(NEAR_AT_ONCE);
+        let edges = edges.filter_map(|e| edge_constraint(pair, e));
+        edges.chain(twins.filter_map(|t| twin_constraint(pair, t))).collect()
+    }
+
+    /// Appends the constraints of the pairs that would penetrate by more than `depth` of the local size at the end
+    /// of the step, but for those that are known.
+    pub fn find_closing(
+        &self,
+        pair: &PairView,
+        depth: f64,
+        is_known: impl Fn(([u32; 2], Feature)) -> bool + Sync,
+        out: &mut Vec<Constraint>,
+    ) {
+        let mut found = Vec::new();
+        for side in 0..2 {
+            let node_side = NodeSide::new(pair, side);
+            let is_new = |n: &NearPair| {
+                n.gap_after_m(&node_side.views, pair.step_s) < -depth * n.size_m
+                    && !is_known((node_side.bodies, n.feature))
+            };
+            found.extend(self.of_nodes(side, |of_node, found| {
+                // The other patches at the node are its rivals, known or not.
+                if of_node.iter().any(is_new) {
+                    node_side.find(of_node, found);
+                }
+            }));
+        }
+        let closes = |n: &NearPair| n.gap_after_m(&pair.views, pair.step_s) < -depth * n.size_m;
+        found.extend(self.of_edges_and_twins(pair, closes));
+        let closes = |c: &Constraint| c.gap_m - pair.step_s * c.closing_m_s < -depth * c.size_m;
+        out.extend(found.into_iter().filter(|c| closes(c) && !is_known((c.bodies, c.feature))));
+    }
+}
+
+/// Close candidates that one task looks at,
+pub(super) const NEAR_AT_ONCE: usize = 1024;
+/// and nodes with such.
+const NODES_AT_ONCE: usize = 256;
