@@ -109,6 +109,8 @@ pub enum Action {
     LookFrom(NamedView),
     /// What surfaces are coloured by was changed.
     ColorsEdited,
+    /// Measure colours and stress crosses by the moment shown.
+    FitToNow,
     /// Edges of the elements on or off.
     ToggleWireframe,
     /// Cut the bodies open, or close them again.
