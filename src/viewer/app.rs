@@ -663,8 +663,8 @@ impl App {
     }
 
     fn reset(&mut self, keep: bool) {
-        if let Some(base) = &self.snapshot.base {
-            self.simulation.send(Command::Reset { overrides: self.edits.overrides(base), keep });
+        if let (Some(base), Some(running)) = (&self.snapshot.base, &self.snapshot.scene) {
+            self.simulation.send(Command::Reset { overrides: self.edits.overrides(base, running), keep });
         }
     }
 }
