@@ -93,6 +93,17 @@ pub enum BodyRole {
     Kinematic,
 }
 
+/// What a body's values are measured by, so that round-off is not taken for something; zero where nobody knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scales {
+    /// Young's modulus of the stiffest material, Pa.
+    pub stiffness_pa: f32,
+    /// Speed of waves in it, m/s.
+    pub wave_speed_m_s: f32,
+    /// Size of the body, m.
+    pub size_m: f32,
+}
+
 /// One body at one moment.
 #[derive(Clone, Debug, Default)]
 pub struct BodyFrame {
@@ -108,6 +119,8 @@ pub struct BodyFrame {
     pub positions_m: Vec<[f32; 3]>,
     /// Values to colour by; each vector is as long as `positions_m`.
     pub fields: VertexFields,
+    /// What these are measured by.
+    pub scales: Scales,
     /// What is inside; only when it was asked for, since it takes more memory than the surface.
     pub interior: Option<Arc<Interior>>,
 }
@@ -429,6 +442,20 @@ impl ColorBy {
             Self::MinPrincipal => Some(&fields.min_principal_pa),
             Self::MeanStress => Some(&fields.mean_stress_pa),
             Self::FailureIndex => Some(&fields.failure_index),
+        }
+    }
+
+    /// What values of this meaning are measured by; a failure index by failure itself, and colours without values by nothing.
+    #[must_use]
+    pub fn scale(self, scales: &Scales) -> f32 {
+        match self {
+            Self::Material | Self::Body | Self::Fragment => 0.0,
+            Self::Speed => scales.wave_speed_m_s,
+            Self::Displacement => scales.size_m,
+            Self::VonMises | Self::MaxPrincipal | Self::MinPrincipal | Self::MeanStress => {
+                scales.stiffness_pa
+            }
+            Self::FailureIndex => 1.0,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Cut, Range, look_inside, parse_with_unit, with_unit};
+use crate::render::{Cut, Range, cross_room_m, look_inside, parse_with_unit, with_unit};
 use crate::scene::description::CutPlane;
 use glam::Vec3;
 
@@ -100,6 +100,8 @@ pub fn color_range(text: &str, color_by: ColorBy) -> Result<Range, Failure> {
 pub struct Looking {
     cut: Option<CutChoice>,
     with_crosses: bool,
+    /// Room of the crosses, m: of the first picture, so that a length is the same stress in all of them.
+    crosses_room_m: Option<f32>,
     /// The plane, once its place is known.
     plane: Option<Cut>,
     /// Between which places along the plane's direction moving bodies have been, m.
@@ -135,7 +137,10 @@ impl Looking {
         if let Some(plane) = self.plane {
             self.note_cut(&frame, &plane);
         }
-        look_inside(&frame, self.plane.as_ref(), self.with_crosses)
+        if self.with_crosses && self.crosses_room_m.is_none() {
+            self.crosses_room_m = Some(cross_room_m(&frame));
+        }
+        look_inside(&frame, self.plane.as_ref(), self.crosses_room_m)
     }
 
     fn note_cut(&mut self, frame: &Frame, plane: &Cut) {
@@ -227,6 +232,30 @@ mod tests {
         let plane = CutPlane { across: glam::DVec3::X, at_m: None };
         assert_eq!(place(CutChoice::of_scene(&plane).unwrap()), 0.5);
         assert_eq!(place(parse_cut("x").unwrap()), 5.5);
+    }
+
+    /// A length of their lines is the same stress in every picture, however far things fly.
+    #[test]
+    fn stress_crosses_have_the_room_of_the_first_picture() {
+        let at = |reach_m: f32| Frame {
+            bodies: vec![BodyFrame {
+                surface: std::sync::Arc::new(crate::frame::SurfaceTopology {
+                    triangles: vec![[0, 1, 2]],
+                    triangle_element: vec![0],
+                    ..Default::default()
+                }),
+                positions_m: vec![[0.0; 3], [reach_m, 0.0, 0.0], [0.0, reach_m, 0.0]],
+                interior: Some(std::sync::Arc::new(crate::frame::Interior {
+                    stress_pa: vec![[1e6, 0.0, 0.0, 0.0, 0.0, 0.0]],
+                    ..Default::default()
+                })),
+                ..Default::default()
+            }],
+            ..Frame::default()
+        };
+        let mut looking = Looking::new(None, true);
+        let rooms_m = [1.0, 3.0].map(|reach_m| looking.look(at(reach_m)).crosses[0].room_m);
+        assert!(rooms_m[0] > 0.0 && rooms_m[0] == rooms_m[1], "{rooms_m:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::frame::{BodyFrame, BodyRole, Frame, StressCross};
 use crate::math::symmetric_eigen;
 use crate::render::color_map::to_byte;
 use crate::render::geometry::{NO_VALUE, SurfaceVertex, to_signed_normalized};
-use crate::render::range::round_up;
+use crate::render::range::{round_up, stress_above_round_off_pa};
 use crate::render::section::{Cut, Opened, open_body};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::BTreeMap;
@@ -22,13 +22,19 @@ const SHORTEST_SHARE: f32 = 0.03;
 pub(crate) const TENSION_SRGB: [f32; 3] = [0.92, 0.18, 0.12];
 pub(crate) const COMPRESSION_SRGB: [f32; 3] = [0.10, 0.38, 0.92];
 
-/// The frame as it is looked into: cut open, and with stress crosses (on the section where there is a cut, else on
-/// the surface) if these are wanted. The interior is used up.
+/// The room of a stress cross in the picture of a frame, m. Frames that are shown one after the other need the same one:
+/// the lines' length hangs on it.
 #[must_use]
-pub fn look_inside(frame: &Frame, cut: Option<&Cut>, with_crosses: bool) -> Frame {
-    let room_m = frame
-        .near_bounds_m()
-        .map_or(0.0, |(low, high)| ROOM_SHARE * (Vec3::from(high) - Vec3::from(low)).length());
+pub fn cross_room_m(frame: &Frame) -> f32 {
+    let bounds_m = frame.near_bounds_m();
+    bounds_m.map_or(0.0, |(low, high)| ROOM_SHARE * (Vec3::from(high) - Vec3::from(low)).length())
+}
+
+/// The frame as it is looked into: cut open, and with stress crosses of this room (on the section where there is a cut,
+/// else on the surface) if these are wanted. The interior is used up.
+#[must_use]
+pub fn look_inside(frame: &Frame, cut: Option<&Cut>, crosses_room_m: Option<f32>) -> Frame {
+    let crosses_room_m = crosses_room_m.filter(|room_m| *room_m > 0.0);
     let mut seen = Frame { crosses: Vec::new(), ..frame.clone() };
     for body in seen.bodies.iter_mut().filter(|body| body.role != BodyRole::Fixed) {
         let interior = body.interior.clone();
@@ -38,9 +44,9 @@ pub fn look_inside(frame: &Frame, cut: Option<&Cut>, with_crosses: bool) -> Fram
             (*body, first) = (opened, section_start);
         }
         body.interior = None;
-        if let Some(interior) = interior.filter(|_| with_crosses && room_m > 0.0) {
+        if let Some((interior, room_m)) = interior.zip(crosses_room_m) {
             let sites = thinned(sites(body, first), room_m);
-            let crosses = sites.iter().filter_map(|site| site.cross(&interior.stress_pa, room_m));
+            let crosses = sites.iter().filter_map(|site| site.cross(body, &interior.stress_pa, room_m));
             seen.crosses.extend(crosses);
         }
     }
@@ -58,7 +64,7 @@ struct Site {
 }
 
 impl Site {
-    fn cross(&self, stress_pa: &[[f32; 6]], room_m: f32) -> Option<StressCross> {
+    fn cross(&self, body: &BodyFrame, stress_pa: &[[f32; 6]], room_m: f32) -> Option<StressCross> {
         let [xx, yy, zz, xy, yz, zx] = stress_pa.get(self.element as usize)?.map(f64::from);
         let stress = DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
         if !stress.is_finite() {
@@ -70,7 +76,7 @@ impl Site {
             position_m: self.position_m.to_array(),
             normal: self.normal.to_array(),
             directions: axes.map(|axis| axis.as_vec3().to_array()),
-            principal_pa: eigen.values.as_vec3().to_array(),
+            principal_pa: eigen.values.as_vec3().to_array().map(|s| stress_above_round_off_pa(s, body)),
             room_m,
         })
     }
@@ -119,7 +125,7 @@ fn scattered(number: u32) -> u32 {
     number.wrapping_mul(2_654_435_769).rotate_left(16).wrapping_mul(2_654_435_769)
 }
 
-/// The stress of the longest line: a round number that few lines exceed, Pa; `None` without crosses.
+/// The stress of the longest line: a round number that few lines exceed, Pa; `None` without crosses, or without stress.
 #[must_use]
 pub fn cross_scale_pa<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Option<f32> {
     let crosses = frames.into_iter().flat_map(|frame| &frame.crosses);
@@ -130,7 +136,7 @@ pub fn cross_scale_pa<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Option
     }
     // A few peaks must not make dots of all others.
     let index = (sizes.len() - 1) * 49 / 50;
-    Some(round_up(*sizes.select_nth_unstable_by(index, f32::total_cmp).1))
+    Some(*sizes.select_nth_unstable_by(index, f32::total_cmp).1).filter(|size| *size > 0.0).map(round_up)
 }
 
 /// The triangles of all crosses; the longest line stands for `scale_pa`.
@@ -212,7 +218,7 @@ mod tests {
 
     #[test]
     fn crosses_are_few_apart_and_point_along_the_principal_stresses() {
-        let seen = look_inside(&plate(), None, true);
+        let seen = look_inside(&plate(), None, Some(cross_room_m(&plate())));
         let crosses = &seen.crosses;
         assert!((100..1500).contains(&crosses.len()), "{}", crosses.len());
         for (index, cross) in crosses.iter().enumerate() {
@@ -239,7 +245,7 @@ mod tests {
     #[test]
     fn a_moved_body_keeps_its_crosses() {
         let elements = |frame: &Frame| -> Vec<[f32; 3]> {
-            look_inside(frame, None, true).crosses.iter().map(|c| c.position_m).collect()
+            look_inside(frame, None, Some(cross_room_m(frame))).crosses.iter().map(|c| c.position_m).collect()
         };
         let mut moved = plate();
         moved.bodies[0].positions_m.iter_mut().for_each(|p| p[0] += 0.3);
@@ -250,10 +256,15 @@ mod tests {
 
     #[test]
     fn without_stresses_or_wish_there_are_none() {
-        assert!(look_inside(&plate(), None, false).crosses.is_empty());
+        assert!(look_inside(&plate(), None, None).crosses.is_empty());
         let mut hollow = plate();
         hollow.bodies[0].interior = None;
-        let seen = look_inside(&hollow, None, true);
+        let seen = look_inside(&hollow, None, Some(cross_room_m(&hollow)));
         assert!(seen.crosses.is_empty() && cross_scale_pa([&seen]).is_none());
+        // Stresses that are nothing but round-off.
+        let mut resting = plate();
+        resting.bodies[0].scales.stiffness_pa = 1e19;
+        let seen = look_inside(&resting, None, Some(cross_room_m(&resting)));
+        assert!(!seen.crosses.is_empty() && cross_scale_pa([&seen]).is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! The range of values that a colour map covers, and numbers with units.
 
-use crate::frame::{ColorBy, Frame};
+use crate::frame::{BodyFrame, ColorBy, Frame};
 
 /// Values at the two ends of the colour map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,19 +15,51 @@ pub struct Range {
 /// contact node say, would turn everything else into one colour.
 const CLIPPED_SHARE: f32 = 0.002;
 
+/// Share of a body's [`ColorBy::scale`] up to which its values are nothing but round-off: the digits of positions, over
+/// the size of elements in the size of scenes.
+const ROUND_OFF_SHARE: f32 = 1e-12;
+/// A failure index comes from stresses over strengths, which are far below stiffnesses: its round-off is larger.
+const INDEX_ROUND_OFF: f32 = 1e-7;
+/// Share of the scale that the colours cover while there is nothing else: about what rests under its own weight.
+const REST_SHARE: f32 = 1e-6;
+
 impl Range {
     /// The range from zero (or, for signed fields, from minus as much) to a round number at or
-    /// above nearly all of the frame's values.
+    /// above nearly all of the frame's values; where these are nothing but round-off, [`Range::at_rest`].
     #[must_use]
     pub fn of_frame(frame: &Frame, color_by: ColorBy) -> Self {
-        Self::up_to(peak(frame, color_by), color_by)
+        Self::of_frames([frame], color_by)
     }
 
     /// The range that serves all the frames, for an animation without flicker.
     #[must_use]
     pub fn of_frames<'a>(frames: impl IntoIterator<Item = &'a Frame>, color_by: ColorBy) -> Self {
-        let peak = frames.into_iter().map(|frame| peak(frame, color_by)).fold(0.0, f32::max);
-        Self::up_to(peak, color_by)
+        let mut at_rest: Option<Self> = None;
+        let found = frames.into_iter().filter_map(|frame| {
+            let found = Self::found_in(frame, color_by);
+            if found.is_none() {
+                let now = Self::at_rest(frame, color_by);
+                at_rest = Some(at_rest.map_or(now, |known| known.union(now)));
+            }
+            found
+        });
+        let found = found.reduce(Self::union);
+        found.or(at_rest).unwrap_or_else(|| Self::up_to(0.0, color_by))
+    }
+
+    /// As [`Range::of_frame`]; `None` where there is nothing but round-off.
+    #[must_use]
+    pub fn found_in(frame: &Frame, color_by: ColorBy) -> Option<Self> {
+        let peak = peak(frame, color_by);
+        (peak > 0.0).then(|| Self::up_to(peak, color_by))
+    }
+
+    /// The range while there is nothing to see, in the size of what the bodies are made of.
+    #[must_use]
+    pub fn at_rest(frame: &Frame, color_by: ColorBy) -> Self {
+        let share = if color_by == ColorBy::FailureIndex { 1.0 } else { REST_SHARE };
+        let scales = frame.moving().map(|body| color_by.scale(&body.scales));
+        Self::up_to(share * scales.fold(0.0, f32::max), color_by)
     }
 
     /// The smallest range that covers both.
@@ -102,9 +134,8 @@ fn peak(frame: &Frame, color_by: ColorBy) -> f32 {
     let mut sizes: Vec<f32> = frame
         .bodies
         .iter()
-        .filter_map(|body| color_by.values_of(body))
-        .flatten()
-        .map(|value| value.abs())
+        .filter_map(|body| Some((color_by.values_of(body)?, round_off(body, color_by))))
+        .flat_map(|(values, round_off)| values.iter().map(move |value| above(value.abs(), round_off)))
         .filter(|size| size.is_finite())
         .collect();
     if sizes.is_empty() {
@@ -113,6 +144,22 @@ fn peak(frame: &Frame, color_by: ColorBy) -> f32 {
     let clipped = (sizes.len() as f32 * CLIPPED_SHARE) as usize;
     let index = sizes.len() - 1 - clipped;
     *sizes.select_nth_unstable_by(index, f32::total_cmp).1
+}
+
+/// The size up to which values of a body are nothing but round-off.
+fn round_off(body: &BodyFrame, color_by: ColorBy) -> f32 {
+    let share = if color_by == ColorBy::FailureIndex { INDEX_ROUND_OFF } else { ROUND_OFF_SHARE };
+    share * color_by.scale(&body.scales)
+}
+
+/// Zero instead of what is nothing but round-off.
+fn above(size: f32, round_off: f32) -> f32 {
+    if size <= round_off { 0.0 } else { size }
+}
+
+/// A stress of a body, Pa; zero instead of round-off.
+pub(crate) fn stress_above_round_off_pa(stress_pa: f32, body: &BodyFrame) -> f32 {
+    if stress_pa.abs() <= round_off(body, ColorBy::VonMises) { 0.0 } else { stress_pa }
 }
 
 /// The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten, at or above `value`; 1 for zero.
@@ -199,7 +246,7 @@ pub fn parse_with_unit(text: &str, unit: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::{BodyFrame, VertexFields};
+    use crate::frame::{BodyFrame, Scales, VertexFields};
 
     fn frame_with_speeds(speed_m_s: Vec<f32>) -> Frame {
         let fields = VertexFields { max_principal_pa: speed_m_s.clone(), speed_m_s, ..Default::default() };
@@ -235,6 +282,28 @@ mod tests {
         assert_eq!((range.low, range.high), (0.0, 4.0));
         let signed = Range::of_frame(&frame, ColorBy::MaxPrincipal);
         assert_eq!((signed.low, signed.high), (-4.0, 4.0));
+    }
+
+    #[test]
+    fn round_off_makes_no_range() {
+        let with = |value_pa: f32, stiffness_pa: f32| {
+            let mut frame = frame_with_speeds(vec![value_pa, -0.5 * value_pa]);
+            frame.bodies[0].scales = Scales { stiffness_pa, ..Scales::default() };
+            frame
+        };
+        let [nothing, little] = [with(3e-9, 2e10), with(30.0, 2e10)];
+        let of = |frame: &Frame| Range::of_frame(frame, ColorBy::MaxPrincipal).high;
+        assert_eq!((of(&nothing), of(&little)), (2e4, 30.0));
+        assert_eq!(Range::found_in(&nothing, ColorBy::MaxPrincipal), None);
+        // An animation that begins with nothing has the colours of what comes.
+        assert_eq!(Range::of_frames([&nothing, &little], ColorBy::MaxPrincipal).high, 30.0);
+        // What is soft is measured by itself.
+        let mut both = with(3e-9, 2e10);
+        both.bodies.extend(with(1e-3, 1e4).bodies);
+        assert_eq!(of(&both), 1e-3);
+        // Nobody knows what these are made of.
+        assert_eq!(of(&with(3e-9, 0.0)), 3e-9);
+        assert_eq!(of(&with(0.0, 0.0)), 1.0);
     }
 
     #[test]

@@ -279,7 +279,7 @@ mod tests {
         assert!(opened.body.positions_m.iter().flatten().all(|x| x.is_finite()));
         let fixed = BodyFrame { role: BodyRole::Fixed, ..cube() };
         let frame = Frame { bodies: vec![fixed, cube()], ..Frame::default() };
-        let opened = look_inside(&frame, Some(&cut), false);
+        let opened = look_inside(&frame, Some(&cut), None);
         assert_eq!(opened.bodies[0].positions_m.len(), 8);
         assert!(opened.bodies[1].positions_m.iter().all(|place| place[0] <= 0.5));
         assert!(Cut::new(Vec3::ZERO, 0.0).is_none() && Cut::new(Vec3::X, f32::NAN).is_none());

@@ -4,7 +4,7 @@ use super::body::{Body, Regime};
 use super::{ElementStress, World};
 use crate::contact::Constraint;
 use crate::frame::{
-    BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, Interior, InteriorTopology, PullMark,
+    BodyFrame, BodyRole, ContactMark, Frame, FrameStatus, Interior, InteriorTopology, PullMark, Scales,
     SurfaceTopology, VertexFields,
 };
 use crate::math::symmetric_eigenvalues;
@@ -16,6 +16,7 @@ use std::sync::{Arc, OnceLock};
 pub(super) struct FrameParts {
     name: Arc<str>,
     palette_srgb: Arc<[[f32; 3]]>,
+    scales: Scales,
     /// By element of the mesh as given.
     element_material: Vec<u32>,
     /// Found when somebody looks.
@@ -29,6 +30,7 @@ impl FrameParts {
         Self {
             name: body.name.as_str().into(),
             palette_srgb: setup.materials.iter().map(|m| m.color_srgb).collect(),
+            scales: scales(body, setup),
             element_material: setup.element_material.clone(),
             surface: OnceLock::new(),
             interior: OnceLock::new(),
@@ -80,6 +82,15 @@ impl FrameParts {
             triangle_fragment: behind.iter().map(fragment).collect(),
             triangle_element: behind.clone(),
         }
+    }
+}
+
+fn scales(body: &Body, setup: &super::BodySetup) -> Scales {
+    let most = |of: fn(&super::Material) -> f64| setup.materials.iter().map(of).fold(0.0, f64::max) as f32;
+    Scales {
+        stiffness_pa: most(|material| material.youngs_modulus_pa),
+        wave_speed_m_s: most(|material| (material.youngs_modulus_pa / material.density_kg_m3).sqrt()),
+        size_m: 2.0 * body.radius_m as f32,
     }
 }
 
@@ -177,6 +188,7 @@ impl World {
             surface: parts.surface(body),
             positions_m: nodes.iter().map(|n| to_f32(positions[*n as usize])).collect(),
             fields: self.fields_at(index, (body, nodes), &stresses),
+            scales: parts.scales,
             interior,
         }
     }

@@ -324,16 +324,19 @@ impl App {
 
     /// Makes what is drawn of what is shown.
     fn see(&mut self) {
+        let needs_interior = self.look.seeing().needs_interior();
+        let inside = self.looked().and_then(|looked| looked.frame.as_ref());
+        let shown = inside.filter(|_| needs_interior).unwrap_or(self.shown()).clone();
+        self.look.make_room_for_crosses(&shown);
         let seeing = self.look.seeing();
         if seeing.is_plain() {
             self.seen = None;
             return;
         }
-        let inside = self.looked().and_then(|looked| looked.frame.as_ref());
-        let shown = inside.filter(|_| seeing.needs_interior()).unwrap_or(self.shown()).clone();
         let is_known = self.seen.as_ref().is_some_and(|(of, by, _)| Arc::ptr_eq(of, &shown) && *by == seeing);
         if !is_known {
             let seen = Arc::new(seeing.of(&shown));
+            self.look.take_in_crosses(&seen);
             self.seen = Some((shown, seeing, seen));
         }
     }
@@ -439,6 +442,7 @@ impl App {
             self.player.leave();
             self.looked_into_s = None;
             self.look.forget_range();
+            self.look.forget_crosses();
         }
         if let Some(contact) = snapshot.contact.as_ref().filter(|_| !self.is_waiting()) {
             // Dropped bodies come with friction of their own.
@@ -627,6 +631,12 @@ impl App {
                 self.look.forget_range();
                 self.look.take_in(&self.shown().clone());
             }
+            Action::FitToNow => {
+                self.look.forget_range();
+                self.look.take_in(&self.shown().clone());
+                self.look.forget_crosses();
+                self.seen = None;
+            }
             Action::ToggleCut => {
                 let shown = self.shown().clone();
                 self.look.closer.toggle_cut(&shown);
@@ -653,8 +663,8 @@ impl App {
     }
 
     fn reset(&mut self, keep: bool) {
-        if let Some(base) = &self.snapshot.base {
-            self.simulation.send(Command::Reset { overrides: self.edits.overrides(base), keep });
+        if let (Some(base), Some(running)) = (&self.snapshot.base, &self.snapshot.scene) {
+            self.simulation.send(Command::Reset { overrides: self.edits.overrides(base, running), keep });
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::exploded::exploded;
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Cut, Range, look_inside, parse_with_unit, with_unit};
+use crate::render::{Cut, Range, cross_room_m, look_inside, parse_with_unit, with_unit};
 use crate::scene::description::Recording;
 use glam::Vec3;
 
@@ -141,6 +141,8 @@ pub struct Seeing {
     pub cut: Option<Cut>,
     /// Whether principal stresses are drawn.
     pub with_crosses: bool,
+    /// Room of their crosses, m, so that a length is the same stress at every moment; `None` takes each moment's own.
+    pub cross_room_m: Option<f32>,
 }
 
 impl Seeing {
@@ -161,7 +163,9 @@ impl Seeing {
     pub fn of(&self, frame: &Frame) -> Frame {
         let apart = (self.explode > 0.0).then(|| exploded(frame, self.explode));
         if self.needs_interior() {
-            look_inside(apart.as_ref().unwrap_or(frame), self.cut.as_ref(), self.with_crosses)
+            let frame = apart.as_ref().unwrap_or(frame);
+            let room_m = || self.cross_room_m.unwrap_or_else(|| cross_room_m(frame));
+            look_inside(frame, self.cut.as_ref(), self.with_crosses.then(room_m))
         } else {
             apart.unwrap_or_else(|| frame.clone())
         }

@@ -172,6 +172,15 @@ impl CriterionEdit {
         (self.kind == Failing::Formula).then(|| Formula::new(&self.formula, &[]).err()).flatten()
     }
 
+    /// What a reset makes of it: a wrong formula leaves the criterion that acts now.
+    #[must_use]
+    pub fn or_acting(&self, acting: Option<&Criterion>) -> Self {
+        match self.criterion() {
+            Ok(_) => self.clone(),
+            Err(_) => Self { original: self.original.clone(), ..Self::of(acting) },
+        }
+    }
+
     /// The criterion; `None` for never.
     ///
     /// # Errors

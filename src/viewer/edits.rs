@@ -34,9 +34,10 @@ impl Edits {
         }
     }
 
-    /// The overrides that bring the materials of `base` to what the sliders show.
+    /// The overrides that bring the materials of `base` to what the sliders show. Where a formula is wrong, the material
+    /// goes on breaking as in the `running` scene.
     #[must_use]
-    pub fn overrides(&self, base: &Scene) -> Vec<String> {
+    pub fn overrides(&self, base: &Scene, running: &Scene) -> Vec<String> {
         let mut overrides = Vec::new();
         for material in &self.materials {
             let Some(before) = base.description.materials.iter().find(|m| m.name == material.name) else {
@@ -49,7 +50,8 @@ impl Edits {
             }
         }
         for (material, edit) in self.materials.iter().zip(&self.criteria) {
-            if let Some(text) = edit.to_toml() {
+            let acting = running.description.materials.iter().find(|m| m.name == material.name);
+            if let Some(text) = edit.or_acting(acting.and_then(|m| m.fracture.as_ref())).to_toml() {
                 overrides.push(format!("materials.{}.fracture={text}", material.name));
             }
         }
@@ -58,6 +60,12 @@ impl Edits {
             overrides.push(format!("time.cfl={:e}", self.cfl));
         }
         overrides
+    }
+
+    /// Whether a formula is wrong, so that a reset leaves it out.
+    #[must_use]
+    pub fn has_wrong_formula(&self) -> bool {
+        self.criteria.iter().any(|edit| edit.criterion().is_err())
     }
 
     /// Whether the running scene still has other materials than the sliders show.
@@ -76,6 +84,7 @@ impl Edits {
             || self.materials.iter().zip(&self.criteria).any(breaks_otherwise)
             || self.fracture != running.description.fracture
             || self.cfl != running.description.time.cfl
+            || self.has_wrong_formula()
     }
 }
 
@@ -133,10 +142,10 @@ mod tests {
     fn only_what_was_changed_becomes_an_override() {
         let scene = Scene::load("hammer-ground", &[]).unwrap();
         let mut edits = Edits::of(&scene);
-        assert!(edits.overrides(&scene).is_empty() && !edits.wait_for_reset(&scene));
+        assert!(edits.overrides(&scene, &scene).is_empty() && !edits.wait_for_reset(&scene));
         edits.materials[0].youngs_modulus_pa = 2.5e6;
         let name = edits.materials[0].name.clone();
-        let overrides = edits.overrides(&scene);
+        let overrides = edits.overrides(&scene, &scene);
         assert_eq!(overrides, [format!("materials.{name}.youngs_modulus=2.5e6")]);
         assert!(edits.wait_for_reset(&scene));
         let changed = scene.with_overrides(&overrides).unwrap();
@@ -156,7 +165,7 @@ mod tests {
             }
             edits.fracture.crack_spacing_elements += 1.0;
             edits.cfl *= 0.5;
-            let changed = scene.with_overrides(&edits.overrides(&scene));
+            let changed = scene.with_overrides(&edits.overrides(&scene, &scene));
             assert!(!edits.wait_for_reset(&changed.unwrap()), "{}", builtin.name);
         }
     }

@@ -1,6 +1,6 @@
 //! What the plots show: the balances over time, in bounded memory.
 
-use crate::sim::Sample;
+use crate::sim::{RoundOff, Sample};
 
 /// Most rows kept; when they are full, every second one goes.
 const MOST_ROWS: usize = 2000;
@@ -31,6 +31,23 @@ pub struct Row {
 }
 
 impl Row {
+    /// Without values that are nothing but round-off: an axis that is found from them would show them as if they were
+    /// something.
+    #[must_use]
+    pub fn without(self, round_off: &RoundOff) -> Self {
+        let clear = |value: f64, least: f64| if value.abs() < least { 0.0 } else { value };
+        let energy = |value_j| clear(value_j, round_off.energy_j);
+        Self {
+            kinetic_j: energy(self.kinetic_j),
+            strain_j: energy(self.strain_j),
+            potential_j: energy(self.potential_j),
+            dissipated_j: energy(self.dissipated_j),
+            sum_j: energy(self.sum_j),
+            momentum_kg_m_s: clear(self.momentum_kg_m_s, round_off.momentum_kg_m_s),
+            ..self
+        }
+    }
+
     /// The row of a sample.
     #[must_use]
     pub fn of(sample: &Sample, time_s: f64, contact_force_n: f64, stable_step_s: f64) -> Self {
@@ -59,6 +76,18 @@ pub struct History {
 }
 
 impl History {
+    /// The row nearest to a time, s; of two at the same time the later one.
+    #[must_use]
+    pub fn row_at(&self, time_s: f64) -> Option<&Row> {
+        let after = self.rows.partition_point(|row| row.time_s <= time_s);
+        let before = after.checked_sub(1).and_then(|last| self.rows.get(last));
+        let next = self.rows.get(after);
+        match (before, next) {
+            (Some(before), Some(next)) if next.time_s - time_s < time_s - before.time_s => Some(next),
+            (before, next) => before.or(next),
+        }
+    }
+
     /// The rows.
     #[must_use]
     pub fn rows(&self) -> &[Row] {
@@ -95,6 +124,32 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn round_off_is_no_value() {
+        let row = Row {
+            kinetic_j: 6e-26,
+            strain_j: -1e-20,
+            sum_j: 3e-9,
+            momentum_kg_m_s: 1e-18,
+            contact_force_n: 1e-20,
+            ..Row::default()
+        };
+        let row = row.without(&RoundOff { energy_j: 1e-15, momentum_kg_m_s: 1e-9 });
+        assert_eq!(row, Row { sum_j: 3e-9, contact_force_n: 1e-20, ..Row::default() });
+    }
+
+    #[test]
+    fn the_row_of_a_time_is_the_nearest_one() {
+        let mut history = History::default();
+        assert_eq!(history.row_at(0.0), None);
+        for (kinetic_j, time_s) in [(0.0, 1.0), (1.0, 2.0), (2.0, 2.0), (3.0, 4.0)] {
+            history.offer(Row { time_s, kinetic_j, ..Row::default() });
+        }
+        let found =
+            [0.0, 1.0, 1.4, 1.6, 2.0, 2.9, 3.1, 9.0].map(|at_s| history.row_at(at_s).unwrap().kinetic_j);
+        assert_eq!(found, [0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 3.0, 3.0]);
+    }
 
     #[test]
     fn memory_is_bounded_and_rows_stay_evenly_spaced() {

@@ -5,7 +5,9 @@ use super::orbit::{self, MouseInput};
 use super::scene_camera::opening_camera;
 use super::snapshot::Snapshot;
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Background, Camera, Framing, Ground, NamedView, Range, View};
+use crate::render::{
+    Background, Camera, Framing, Ground, NamedView, Range, View, cross_room_m, cross_scale_pa,
+};
 
 /// What the user chose about the picture, and what was derived from the scene for it.
 #[derive(Clone, Debug)]
@@ -28,9 +30,32 @@ pub struct Look {
     pub camera: Camera,
     /// Range of the colour map: grows with what was seen, so that colours do not flicker.
     range: Option<Range>,
+    /// What it covers as long as nothing was seen but round-off.
+    range_at_rest: Option<Range>,
+    crosses: CrossMeasure,
     ground: Ground,
-    /// A new scene waits for its camera until the view's shape is known.
-    wants_opening_camera: bool,
+    opening: Opening,
+}
+
+/// How long the lines of stress crosses are: the same for the same stress at every moment.
+#[derive(Clone, Copy, Debug, Default)]
+struct CrossMeasure {
+    /// Room of a cross, m: of the moment at which they were first drawn.
+    room_m: Option<f32>,
+    /// Stress of the longest line, Pa: grows with what was seen, as the colours' range does.
+    scale_pa: Option<f32>,
+}
+
+/// How far a new scene has got its camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Opening {
+    /// It waits until the view's shape is known.
+    Waits,
+    /// It has the one for a view of this width over height, and nobody has turned it yet.
+    Fitted { camera: Camera, aspect: f32 },
+    /// Somebody has chosen another one.
+    #[default]
+    Over,
 }
 
 impl Default for Look {
@@ -45,8 +70,10 @@ impl Default for Look {
             is_always_fine: false,
             camera: Camera::default(),
             range: None,
+            range_at_rest: None,
+            crosses: CrossMeasure::default(),
             ground: Ground::Auto,
-            wants_opening_camera: false,
+            opening: Opening::default(),
         }
     }
 }
@@ -60,6 +87,7 @@ impl Look {
             self.color_by = scene.description.recording.color_by.name().parse().unwrap_or_default();
         }
         self.forget_range();
+        self.forget_crosses();
         self.typed_range = TypedRange::default();
         self.explode = 0.0;
         self.closer.open(&snapshot.frame);
@@ -69,30 +97,64 @@ impl Look {
             let start = snapshot.recording.moments().first().map_or(&snapshot.frame, |moment| &moment.frame);
             self.closer.look_as(&scene.description.recording, start);
         }
-        self.wants_opening_camera = true;
+        self.opening = Opening::Waits;
     }
 
     /// Takes the colours' range from the next frame on anew.
     pub fn forget_range(&mut self) {
-        self.range = None;
+        (self.range, self.range_at_rest) = (None, None);
+    }
+
+    /// Measures stress crosses by the next frame anew.
+    pub fn forget_crosses(&mut self) {
+        self.crosses = CrossMeasure::default();
     }
 
     /// Makes the colours' range cover a frame.
     pub fn take_in(&mut self, frame: &Frame) {
         self.closer.take_in(frame);
-        if self.color_by.has_values() {
-            let now = Range::of_frame(frame, self.color_by);
-            // Before anything has happened there is nothing to keep: the range of nothing is 1.
-            let is_nothing = frame.status.steps == 0;
-            self.range = Some(self.range.filter(|_| !is_nothing).map_or(now, |range| range.union(now)));
+        if !self.color_by.has_values() {
+            return;
+        }
+        match Range::found_in(frame, self.color_by) {
+            Some(now) => self.range = Some(self.range.map_or(now, |range| range.union(now))),
+            None => self.range_at_rest = Some(Range::at_rest(frame, self.color_by)),
         }
     }
 
-    /// Gives a newly opened scene its camera, now that the view's width over height is known.
+    /// Settles the room of stress crosses, before they are made of a frame.
+    pub fn make_room_for_crosses(&mut self, frame: &Frame) {
+        if self.closer.with_crosses && self.crosses.room_m.is_none() {
+            self.crosses.room_m = Some(cross_room_m(frame));
+        }
+    }
+
+    /// Makes the measure of stress crosses cover those of a frame.
+    pub fn take_in_crosses(&mut self, seen: &Frame) {
+        self.crosses.scale_pa =
+            self.crosses.scale_pa.into_iter().chain(cross_scale_pa([seen])).reduce(f32::max);
+    }
+
+    /// Gives a newly opened scene its camera, now that the view's width over height is known, and another one when that
+    /// changes before somebody has turned it.
     pub fn settle(&mut self, snapshot: &Snapshot, aspect: f32) {
-        let Some(scene) = snapshot.scene.as_ref().filter(|_| self.wants_opening_camera) else { return };
-        self.wants_opening_camera = false;
-        self.camera = opening_camera(&scene.description, &Framing::of(&snapshot.frame), aspect);
+        let Some(scene) = snapshot.scene.as_ref() else { return };
+        match self.opening {
+            Opening::Waits => {}
+            Opening::Fitted { camera, aspect: known } if camera == self.camera => {
+                if known == aspect {
+                    return;
+                }
+            }
+            Opening::Fitted { .. } => self.opening = Opening::Over,
+            Opening::Over => {}
+        }
+        if self.opening == Opening::Over {
+            return;
+        }
+        let start = snapshot.recording.moments().first().map_or(&snapshot.frame, |moment| &moment.frame);
+        self.camera = opening_camera(&scene.description, &Framing::of(start), aspect);
+        self.opening = Opening::Fitted { camera: self.camera, aspect };
     }
 
     /// Shows what is there now, from where the camera looks, without what has flown or fallen far off. The floor comes along: what has fallen
@@ -117,7 +179,7 @@ impl Look {
     /// The colours' range that was found.
     #[must_use]
     pub fn found_range(&self) -> Option<Range> {
-        self.range
+        self.range.or(self.range_at_rest)
     }
 
     /// What is done to frames before they are drawn.
@@ -127,6 +189,7 @@ impl Look {
             explode: self.explode.max(0.0),
             cut: self.closer.cut(),
             with_crosses: self.closer.with_crosses,
+            cross_room_m: self.crosses.room_m.filter(|_| self.closer.with_crosses),
         }
     }
 
@@ -136,7 +199,8 @@ impl Look {
         let typed = self.typed_range.range(self.color_by).ok().flatten();
         View {
             color_by: self.color_by,
-            range: typed.or(self.range),
+            range: typed.or(self.found_range()),
+            cross_scale_pa: self.crosses.scale_pa.filter(|_| self.closer.with_crosses),
             is_range_chosen: typed.is_some(),
             wireframe: self.wireframe,
             ground: self.ground,
@@ -174,6 +238,74 @@ mod tests {
         let mut look = Look::default();
         look.open(&snapshot);
         assert_eq!(look.closer.position_m, 0.5);
+    }
+
+    /// A frame with one body, pulled by a stress and as large as told, and stress crosses on it.
+    fn stressed(stress_pa: f32, size_m: f32) -> Frame {
+        let principal_pa = [stress_pa, 0.0, 0.0];
+        let cross = crate::frame::StressCross {
+            position_m: [0.0; 3],
+            normal: [0.0, 0.0, 1.0],
+            directions: glam::Mat3::IDENTITY.to_cols_array_2d(),
+            principal_pa,
+            room_m: 0.1,
+        };
+        let mut frame = frame_at(0.0, 0.0);
+        frame.bodies[0].positions_m.push([size_m, 0.0, 0.0]);
+        frame.bodies[0].fields.von_mises_pa = vec![stress_pa; 3];
+        frame.bodies[0].scales.stiffness_pa = 1e9;
+        Frame { crosses: vec![cross], ..frame }
+    }
+
+    #[test]
+    fn colours_of_what_bears_nothing_do_not_magnify_round_off() {
+        let mut look = Look { color_by: ColorBy::VonMises, ..Look::default() };
+        look.take_in(&stressed(2e-9, 1.0));
+        assert_eq!(look.view(1.0).range.unwrap().high, 1e3);
+        // The first load sets the range, however small it is.
+        look.take_in(&stressed(40.0, 1.0));
+        assert_eq!(look.view(1.0).range.unwrap().high, 40.0);
+        look.take_in(&stressed(2e-9, 1.0));
+        assert_eq!(look.view(1.0).range.unwrap().high, 40.0);
+    }
+
+    #[test]
+    fn stress_crosses_keep_their_measure() {
+        let mut look = Look::default();
+        look.closer.with_crosses = true;
+        look.make_room_for_crosses(&stressed(1e6, 1.0));
+        look.take_in_crosses(&stressed(1e6, 1.0));
+        let room_m = look.seeing().cross_room_m;
+        assert!(room_m.is_some());
+        // Something flies apart, and bears less.
+        look.make_room_for_crosses(&stressed(1e3, 2.0));
+        look.take_in_crosses(&stressed(1e3, 2.0));
+        assert_eq!((look.seeing().cross_room_m, look.view(1.0).cross_scale_pa), (room_m, Some(1e6)));
+        look.forget_crosses();
+        look.make_room_for_crosses(&stressed(1e3, 2.0));
+        look.take_in_crosses(&stressed(1e3, 2.0));
+        assert_ne!(look.seeing().cross_room_m, room_m);
+        assert_eq!(look.view(1.0).cross_scale_pa, Some(1e3));
+    }
+
+    #[test]
+    fn the_opening_camera_follows_the_views_shape_until_it_is_turned() {
+        let scene = crate::scene::Scene::load("hammer-table", &[]).unwrap();
+        let frame = crate::sim::World::new(scene.setup.clone()).unwrap().publish();
+        let snapshot = Snapshot { frame: frame.into(), scene: Some(scene.into()), ..Default::default() };
+        let mut look = Look::default();
+        look.open(&snapshot);
+        look.settle(&snapshot, 1.6);
+        let wide = look.camera;
+        look.settle(&snapshot, 0.8);
+        let narrow = look.camera;
+        assert!(narrow.distance_m > 1.05 * wide.distance_m, "{narrow:?}");
+        look.settle(&snapshot, 1.6);
+        assert_eq!(look.camera, wide);
+        look.camera.orbit(0.1, 0.0);
+        let turned = look.camera;
+        look.settle(&snapshot, 0.8);
+        assert_eq!(look.camera, turned);
     }
 
     #[test]

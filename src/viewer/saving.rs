@@ -9,7 +9,7 @@ use crate::export::png::write_png;
 use crate::export::surface_mesh::{write_obj, write_ply};
 use crate::export::{ExportError, write_whole};
 use crate::frame::Frame;
-use crate::render::{Camera, Cut, Gpu, OffScreen, Picture, View};
+use crate::render::{Camera, Cut, Gpu, OffScreen, Picture, View, cross_scale_pa};
 use crate::scene::description::Recording;
 use crate::scene::{Scene, SceneDescription, Shape};
 use std::path::{Path, PathBuf};
@@ -218,9 +218,10 @@ fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progres
     if frames.is_empty() {
         return Err("nothing is recorded yet".to_owned());
     }
+    let view = view_of_all(frames, shot);
     let mut draw = |frame: &Frame| {
         let seen = (!shot.seeing.is_plain()).then(|| shot.seeing.of(frame));
-        let picture = screen.render(shot.size_px, seen.as_ref().unwrap_or(frame), &shot.camera, &shot.view);
+        let picture = screen.render(shot.size_px, seen.as_ref().unwrap_or(frame), &shot.camera, &view);
         picture.map_err(|error| {
             progress.studio.forget();
             error.to_string()
@@ -253,6 +254,16 @@ fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progres
     }
     writer.finish().map_err(words)?;
     Ok(format!("saved {} with {} pictures", path.display(), frames.len()))
+}
+
+/// The view of an animation: its stress crosses are measured by all of them.
+fn view_of_all(frames: &[Arc<Frame>], shot: &Shot) -> View {
+    let mut view = shot.view.clone();
+    if shot.seeing.with_crosses {
+        let scales_pa = frames.iter().filter_map(|frame| cross_scale_pa([&shot.seeing.of(frame)]));
+        view.cross_scale_pa = view.cross_scale_pa.into_iter().chain(scales_pa).reduce(f32::max);
+    }
+    view
 }
 
 /// The text of a scene that gives again what is seen: bodies thrown in and taken out, `late_text` with what else was
@@ -397,6 +408,31 @@ mod tests {
             again.open(&snapshot(Scene::from_text("saved", &text, scene.folder(), &[]).unwrap()));
             assert!(again.seeing().is_plain() && !again.typed_range.is_on);
         }
+    }
+
+    /// The pictures of one animation have one measure of stress crosses, that of the largest stress among them.
+    #[test]
+    fn stress_crosses_of_an_animation_have_one_measure() {
+        let mut world = crate::sim::World::new(Scene::load("bar-torn", &[]).unwrap().setup).unwrap();
+        let mut frames = Vec::new();
+        for _ in 0..3 {
+            for _ in 0..40 {
+                world.step(1.0).unwrap();
+            }
+            frames.push(Arc::new(world.publish_with_interior()));
+        }
+        let mut look = Look::default();
+        look.closer.with_crosses = true;
+        look.make_room_for_crosses(&frames[0]);
+        let shot =
+            Shot { camera: look.camera, view: look.view(1.0), seeing: look.seeing(), size_px: [32, 32] };
+        let own = frames.iter().map(|frame| cross_scale_pa([&shot.seeing.of(frame)]).unwrap());
+        let own: Vec<f32> = own.collect();
+        let most_pa = own.iter().copied().reduce(f32::max);
+        assert!(own.iter().any(|scale_pa| Some(*scale_pa) != most_pa), "{own:?}");
+        assert_eq!(view_of_all(&frames, &shot).cross_scale_pa, most_pa);
+        let rooms = frames.iter().map(|frame| shot.seeing.of(frame).crosses[0].room_m);
+        assert!(rooms.into_iter().all(|room_m| Some(room_m) == shot.seeing.cross_room_m));
     }
 
     #[test]

@@ -463,6 +463,7 @@ impl Session {
         (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
         let sample = run.world.sample();
         let row = Row::of(&sample, run.world.time_s(), force_n, stable_step_s(&run.world));
+        let row = row.without(&run.world.round_off());
         self.note_marks(sample.crack_area_m2);
         Arc::make_mut(&mut self.history).offer(row);
     }

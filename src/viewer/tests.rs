@@ -2,6 +2,7 @@
 
 mod frame_loop;
 mod layout;
+mod panels;
 mod random_input;
 
 use super::app::App;

@@ -5,7 +5,7 @@ use crate::scenes::{SIZE, Shot};
 use crate::shapes::{colored, frame, ground, solid_block};
 use glam::Vec3;
 use hammerfall::frame::ColorBy;
-use hammerfall::render::{Cut, Picture, Range, look_inside};
+use hammerfall::render::{Cut, Picture, Range, cross_room_m, look_inside};
 
 const LOW: Vec3 = Vec3::new(-0.5, -0.5, 0.3);
 const HIGH: Vec3 = Vec3::new(0.5, 0.5, 1.3);
@@ -26,7 +26,7 @@ fn a_cut_shows_the_values_inside() {
     let whole = shot.draw(&mut screen);
     // The front half is gone: it was between the camera and the middle.
     let cut = Cut::new(Vec3::NEG_Y, 0.0).expect("a direction");
-    shot.frame = look_inside(&shot.frame, Some(&cut), false);
+    shot.frame = look_inside(&shot.frame, Some(&cut), None);
     let open = shot.draw(&mut screen);
     let on_section = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     let inside = shot.luminance(&open, MIDDLE);
@@ -46,7 +46,7 @@ fn a_cut_that_misses_changes_nothing() {
     let mut shot = solid_box();
     let whole = shot.draw(&mut screen);
     let cut = Cut::new(Vec3::X, 0.6).expect("a direction");
-    shot.frame = look_inside(&shot.frame, Some(&cut), false);
+    shot.frame = look_inside(&shot.frame, Some(&cut), None);
     assert!(shot.draw(&mut screen) == whole);
 }
 
@@ -64,7 +64,8 @@ fn crosses_show_pull_and_push_in_two_colors_with_a_legend() {
     let bare = shot.draw(&mut screen);
     assert_eq!((count(&bare, is_red), count(&bare, is_blue)), (0, 0));
     let cut = Cut::new(Vec3::NEG_Y, 0.0).expect("a direction");
-    shot.frame = look_inside(&shot.frame, Some(&cut), true);
+    let room_m = cross_room_m(&shot.frame);
+    shot.frame = look_inside(&shot.frame, Some(&cut), Some(room_m));
     assert!(!shot.frame.crosses.is_empty());
     // All of them stand on the section.
     assert!(shot.frame.crosses.iter().all(|cross| cross.position_m[1].abs() < 1e-4));

@@ -41,6 +41,15 @@ fn a_scene_plays_at_its_own_slow_motion() {
     assert!(snapshot.stable_step_s.is_finite() && snapshot.is_playing);
 }
 
+/// Nothing happens yet, and rounding is no energy.
+#[test]
+fn a_scene_at_rest_has_no_balances_made_of_round_off() {
+    let mut session = opened("pile-split", &[]);
+    let row = session.snapshot().history.rows()[0];
+    assert_eq!((row.kinetic_j, row.strain_j, row.potential_j, row.sum_j), (0.0, 0.0, 0.0, 0.0));
+    assert!(session.run.as_ref().unwrap().world.sample().strain_j != 0.0, "the scene has no round-off");
+}
+
 #[test]
 fn what_is_seen_does_not_depend_on_the_clock() {
     let (mut punctual, mut late) = (opened("bounce", &[]), opened("bounce", &[]));

@@ -1,6 +1,6 @@
 //! The element that was clicked on: its stress, and Mohr's circles with the envelope of its criterion.
 
-use super::plots::{X_LABEL_SPACING, marks, tick};
+use super::plots::{X_LABEL_SPACING, line, marks, tick};
 use super::stress_space::{self, NearSurface};
 use super::widgets::measured;
 use crate::fracture::envelope::{
@@ -10,7 +10,7 @@ use crate::fracture::{Criterion, CriterionError, Strength};
 use crate::viewer::app::App;
 use crate::viewer::inspection::Inspection;
 use egui::{Color32, Grid, Id, RichText, Ui};
-use egui_plot::{AxisHints, Line, Plot};
+use egui_plot::{AxisHints, Plot};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -116,14 +116,14 @@ fn mohr(ui: &mut Ui, inspection: &Inspection, lines: &[Limit]) {
         .show(ui, |plot| {
             for (name, high, low) in [("s1, s3", s1, s3), ("s1, s2", s1, s2), ("s2, s3", s2, s3)] {
                 plot.line(
-                    Line::new(name, circle(0.5 * (high + low), 0.5 * (high - low))).color(CIRCLE).width(1.6),
+                    line(name, circle(0.5 * (high + low), 0.5 * (high - low))).color(CIRCLE).width(1.6),
                 );
             }
-            for line in lines {
+            for limit in lines {
                 for sign in [1.0, -1.0] {
                     let points: Vec<[f64; 2]> =
-                        line.iter().map(|[sigma, tau]| [*sigma, sign * tau]).collect();
-                    plot.line(Line::new("envelope", points).color(ENVELOPE).width(1.4));
+                        limit.iter().map(|[sigma, tau]| [*sigma, sign * tau]).collect();
+                    plot.line(line("envelope", points).color(ENVELOPE).width(1.4));
                 }
             }
         });

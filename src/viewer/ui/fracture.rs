@@ -5,7 +5,7 @@ use super::widgets::{Acts, Parameter, badge};
 use crate::fracture::PropagationRule;
 use crate::sim::FractureParameters;
 use crate::viewer::criterion_edit::{CriterionEdit, Failing};
-use egui::{ComboBox, RichText, TextEdit, Ui};
+use egui::{ComboBox, Label, RichText, TextEdit, TextStyle, Ui};
 
 const STRENGTH: Parameter = Parameter {
     label: "Tensile strength",
@@ -102,19 +102,40 @@ fn formula(ui: &mut Ui, edit: &mut CriterionEdit) {
     ui.add(text).on_hover_text(hint);
     let Some(error) = edit.formula_error() else { return };
     let (_, color) = style::error_colors(ui.visuals().dark_mode);
-    // The place as in the text above: the field has a margin of its own.
-    let before: String = edit.formula.chars().take(error.column.saturating_sub(1)).map(|_| ' ').collect();
-    let text = format!("Column {}: {}. The criterion of before stays.", error.column, error.problem);
-    ui.scope(|ui| {
-        ui.spacing_mut().item_spacing.y = 0.0;
-        ui.horizontal(|ui| {
-            ui.add_space(4.0);
-            // A place beyond the end of the field must not widen the panel.
-            let mark = RichText::new(format!("{before}^")).monospace().color(color);
-            ui.add(egui::Label::new(mark).truncate());
+    let before = edit.formula.chars().take(error.column.saturating_sub(1));
+    let place = if is_seen_whole(ui, &edit.formula) {
+        // The place as in the text above: the field has a margin of its own.
+        let mark = format!("{}^", before.map(|_| ' ').collect::<String>());
+        ui.scope(|ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            ui.horizontal(|ui| {
+                ui.add_space(FORMULA_MARGIN);
+                ui.label(RichText::new(mark).monospace().color(color));
+            });
         });
-        ui.label(RichText::new(text).small().color(color));
-    });
+        String::new()
+    } else {
+        // The field shows some part of it, where a mark would point to anything.
+        let rest: String = edit.formula.chars().skip(before.count()).take(MOST_QUOTED).collect();
+        if rest.is_empty() { ", at the end".to_owned() } else { format!(", at “{rest}”") }
+    };
+    let text = format!(
+        "Column {}{place}: {}. Until that is mended this material breaks as it does now, after a reset too.",
+        error.column, error.problem
+    );
+    ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
+}
+
+/// Space between the edge of the formula's field and its text, points.
+const FORMULA_MARGIN: f32 = 4.0;
+/// Letters of a formula that are quoted to show a place in it.
+const MOST_QUOTED: usize = 12;
+
+/// Whether the field has room for all of a formula.
+fn is_seen_whole(ui: &Ui, formula: &str) -> bool {
+    let font = TextStyle::Monospace.resolve(ui.style());
+    let text = ui.painter().layout_no_wrap(formula.to_owned(), font, ui.visuals().text_color());
+    text.size().x + 2.0 * FORMULA_MARGIN < ui.available_width()
 }
 
 /// Shows how cracks grow.

@@ -1,9 +1,10 @@
 //! The scenes to choose from.
 
 use super::Action;
+use super::widgets::side_scroll;
 use crate::scene::{BUILTIN_SCENES, BuiltinScene};
 use crate::viewer::app::App;
-use egui::{Color32, Image, Margin, Rect, RichText, ScrollArea, Sense, TextureId, Ui, UiBuilder, pos2, vec2};
+use egui::{Color32, Image, Margin, Rect, RichText, Sense, TextureId, Ui, UiBuilder, pos2, vec2};
 
 /// Narrowest card and the space between cards, points.
 const CARD_WIDTH: f32 = 236.0;
@@ -15,7 +16,7 @@ const FINER: &str = "-fine";
 
 /// Shows the gallery.
 pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    side_scroll().show(ui, |ui| {
         ui.add_space(6.0);
         ui.heading("Choose a scene");
         ui.weak("Or drop a scene file (.toml) onto the window.");

@@ -77,11 +77,24 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         let hint = "Moves the fragments apart, only for the eye";
         ui.add(egui::Slider::new(&mut look.explode, 0.0..=2.0).show_value(false)).on_hover_text(hint);
     });
-    if look.color_by.has_values() && !look.typed_range.is_on {
-        let hint = "The colours' range grows with what was seen; this fits it to the present moment";
-        if ui.button("Fit the colours to now").on_hover_text(hint).clicked() {
-            actions.push(Action::ColorsEdited);
-        }
+    let fits_colors = look.color_by.has_values() && !look.typed_range.is_on;
+    let (text, hint) = match (fits_colors, look.closer.with_crosses) {
+        (false, false) => return,
+        (true, false) => (
+            "Fit the colours to now",
+            "The colours' range grows with what was seen; this fits it to the present moment",
+        ),
+        (false, true) => (
+            "Fit the crosses to now",
+            "The crosses' measure grows with what was seen; this fits it to the present moment",
+        ),
+        (true, true) => (
+            "Fit colours and crosses to now",
+            "The colours' range and the crosses' measure grow with what was seen; this fits them to the present moment",
+        ),
+    };
+    if ui.button(text).on_hover_text(hint).clicked() {
+        actions.push(Action::FitToNow);
     }
 }
 

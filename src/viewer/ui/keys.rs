@@ -3,7 +3,7 @@
 use super::Action;
 use crate::render::NamedView;
 use crate::viewer::app::{App, SaveKind};
-use egui::{Context, Key, Modifiers};
+use egui::{Context, Key, Modifiers, Popup};
 
 /// The keys with what they do, for the help.
 pub const KEYS: [(&str, &str); 19] = [
@@ -25,7 +25,7 @@ pub const KEYS: [(&str, &str); 19] = [
     ("X", "stress crosses"),
     ("G", "the scenes"),
     ("F1", "this help"),
-    ("Esc", "close help, stop throwing, close the message"),
+    ("Esc", "close a list, help, stop throwing, close the message"),
 ];
 
 const DIGITS: [Key; 9] =
@@ -53,12 +53,15 @@ pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
     }
     let mut on = |key: Key, action: Action| on_with(Modifiers::NONE, key, action);
     on(Key::F1, Action::ToggleHelp);
-    let escape = match () {
-        () if app.panels.help => Action::ToggleHelp,
-        () if app.aim.is_armed && !is_gallery => Action::StopAiming,
-        () => Action::DismissNotice,
-    };
-    on(Key::Escape, escape);
+    // An open list closes by itself, and nothing else does then.
+    if !Popup::is_any_open(context) {
+        let escape = match () {
+            () if app.panels.help => Action::ToggleHelp,
+            () if app.aim.is_armed && !is_gallery => Action::StopAiming,
+            () => Action::DismissNotice,
+        };
+        on(Key::Escape, escape);
+    }
     on(Key::G, Action::ShowGallery(!is_gallery));
     if is_gallery {
         return;

@@ -30,7 +30,8 @@ use super::app::{App, SaveKind};
 use super::closer::Closer;
 use super::thrown::Throw;
 use crate::render::NamedView;
-use egui::{Panel, Ui, UiBuilder};
+use egui::containers::panel::PanelState;
+use egui::{IdSalt, Panel, Ui, UiBuilder};
 use glam::DVec3;
 
 /// Width of the panels at the sides when nobody has chosen, and the least, points.
@@ -109,6 +110,8 @@ pub enum Action {
     LookFrom(NamedView),
     /// What surfaces are coloured by was changed.
     ColorsEdited,
+    /// Measure colours and stress crosses by the moment shown.
+    FitToNow,
     /// Edges of the elements on or off.
     ToggleWireframe,
     /// Cut the bodies open, or close them again.
@@ -172,24 +175,53 @@ fn show_scene(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let panels = app.panels;
     let count = f32::from(u8::from(panels.parameters) + u8::from(panels.inspector));
     let most = ((ui.available_width() - LEAST_VIEW_WIDTH) / count.max(1.0)).max(SIDE_WIDTH);
-    let side = |panel: Panel, width: f32| {
-        panel
-            .frame(style::side_frame())
-            .resizable(true)
-            .default_size(width.clamp(SIDE_WIDTH, most))
-            .size_range(SIDE_WIDTH..=most)
-    };
     if panels.parameters {
-        let shown = side(Panel::left("parameters"), panels.parameters_width)
-            .show(ui, |ui| filled(ui, |ui| parameters::show(ui, app, actions)));
-        app.panels.parameters_width = shown.response.rect.width();
+        let side = Side { name: "parameters", most };
+        let mut width = panels.parameters_width;
+        side.show(ui, Panel::left, &mut width, |ui| parameters::show(ui, app, actions));
+        app.panels.parameters_width = width;
     }
     if panels.inspector {
-        let shown = side(Panel::right("inspector"), panels.inspector_width)
-            .show(ui, |ui| filled(ui, |ui| inspector::show(ui, app, actions)));
-        app.panels.inspector_width = shown.response.rect.width();
+        let side = Side { name: "inspector", most };
+        let mut width = panels.inspector_width;
+        side.show(ui, Panel::right, &mut width, |ui| inspector::show(ui, app, actions));
+        app.panels.inspector_width = width;
     }
     egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(ui, app, actions));
+}
+
+/// A panel at the side.
+struct Side {
+    name: &'static str,
+    /// Width that the window has for it, points.
+    most: f32,
+}
+
+impl Side {
+    /// Shows it as wide as was chosen, or as there is room for. Only dragging its edge chooses another width: in a small
+    /// window it is narrower for a while, and comes back when there is room.
+    fn show(
+        &self,
+        ui: &mut Ui,
+        at: fn(&'static str) -> Panel,
+        chosen: &mut f32,
+        content: impl FnOnce(&mut Ui),
+    ) {
+        let width = chosen.clamp(SIDE_WIDTH, self.most);
+        // The toolkit would remember the width that was shown last.
+        let id = ui.scope_id().with_salt(IdSalt::new(self.name));
+        ui.data_mut(|data| data.remove::<PanelState>(id));
+        let panel = at(self.name)
+            .frame(style::side_frame())
+            .resizable(true)
+            .default_size(width)
+            .size_range(SIDE_WIDTH..=self.most);
+        let shown = panel.show(ui, |ui| filled(ui, content)).response.rect.width();
+        // Edges lie on pixels.
+        if (shown - width).abs() > 0.5 {
+            *chosen = shown;
+        }
+    }
 }
 
 /// A panel keeps its width whatever is in it: an empty one would shrink for good, and one with too wide a row grow.

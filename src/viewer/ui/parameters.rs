@@ -12,6 +12,10 @@ const STEP_SHARE: widgets::Parameter = widgets::Parameter {
     is_logarithmic: false,
 };
 
+/// On the button for what acts on reset.
+const APPLY: &str = "Reset to apply the changes  (R)";
+const APPLY_ALL_ELSE: &str = "Reset without the formula  (R)";
+
 /// Shows the panel.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let Some(running) = app.snapshot.scene.clone() else { return };
@@ -21,7 +25,13 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         egui::Panel::bottom("apply").frame(frame).show_separator_line(false).show(ui, |ui| {
             ui.add_space(6.0);
             ui.vertical_centered_justified(|ui| {
-                if widgets::primary_button(ui, "Reset to apply the changes  (R)").clicked() {
+                let (text, hint) = match app.edits.has_wrong_formula() {
+                    false => (APPLY, "Starts the scene anew, with the values on the sliders"),
+                    true => {
+                        (APPLY_ALL_ELSE, "A formula is wrong: its material goes on breaking as it does now")
+                    }
+                };
+                if widgets::primary_button(ui, text).on_hover_text(hint).clicked() {
                     actions.push(Action::Reset);
                 }
             });

@@ -4,7 +4,7 @@ use super::icons;
 use super::widgets::measured;
 use crate::viewer::history::{History, Row};
 use egui::{Color32, RichText, Ui};
-use egui_plot::{AxisHints, GridMark, HoverPosition, Line, LineStyle, Plot, VLine};
+use egui_plot::{AxisHints, GridMark, HoverPosition, Line, LineStyle, Plot, PlotPoints, VLine};
 
 const HEIGHT: f32 = 150.0;
 /// Labels of times nearer than this to each other fade and go, points.
@@ -106,10 +106,10 @@ pub static FIGURES: [Figure; 5] = [
 ];
 
 impl Figure {
-    /// Shows the plot with a line at `now_s`; returns the time that was clicked on, s.
+    /// Shows the plot with a line at `now_s`, and the values there; returns the time that was clicked on, s.
     pub fn show(&self, ui: &mut Ui, history: &History, now_s: f64) -> Option<f64> {
         let clicked_s = plot(ui, self, history.rows(), now_s);
-        legend(ui, self.title, self.unit, self.curves, history.rows());
+        legend(ui, self, history.row_at(now_s).copied().unwrap_or_default());
         clicked_s
     }
 }
@@ -155,15 +155,19 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
                 let style =
                     if curve.is_dashed { LineStyle::Dashed { length: 6.0 } } else { LineStyle::Solid };
                 plot.line(
-                    Line::new(curve.name, points(rows, curve.value))
-                        .color(curve.color)
-                        .width(1.6)
-                        .style(style),
+                    line(curve.name, points(rows, curve.value)).color(curve.color).width(1.6).style(style),
                 );
             }
         });
     let at = shown.response.clicked().then(|| shown.response.interact_pointer_pos()).flatten()?;
     Some(shown.transform.value_from_position(at).x.max(0.0))
+}
+
+/// A line through points, however near they are to each other. The plotting crate would else make one place of all that
+/// share a pixel's width, as high as they differ, and fill the room from there to the next: of few points, two of which
+/// are near, a triangle.
+pub(super) fn line<'a>(name: &str, points: impl Into<PlotPoints<'a>>) -> Line<'a> {
+    Line::new(name, points).allow_band(false)
 }
 
 /// Whether there is nothing but zeros, so that the axis needs some other end.
@@ -207,21 +211,23 @@ fn points(rows: &[Row], value: fn(&Row) -> f64) -> Vec<[f64; 2]> {
     rows.chunks(group).filter_map(largest).collect()
 }
 
-/// Names and present values, two in a row.
-fn legend(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], rows: &[Row]) {
-    let last = rows.last().copied().unwrap_or_default();
-    egui::Grid::new(("legend", title)).num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+/// Names and the values of the moment looked at, two in a row, and which moment that is.
+fn legend(ui: &mut Ui, figure: &Figure, row: Row) {
+    let Figure { title, unit, curves } = *figure;
+    egui::Grid::new(("legend", title)).num_columns(2).spacing([6.0, 2.0]).show(ui, |ui| {
         for (index, curve) in curves.iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 icons::swatch(ui, curve.color);
-                let text = format!("{} {}", curve.name, value_text((curve.value)(&last), unit));
+                let text = format!("{} {}", curve.name, value_text((curve.value)(&row), unit));
                 ui.label(RichText::new(text).small()).on_hover_text(curve.hint);
             });
             if index % 2 == 1 {
                 ui.end_row();
             }
         }
+        let text = format!("at {}", measured(row.time_s, "s"));
+        ui.label(RichText::new(text).small().weak()).on_hover_text("The moment that these values are of");
     });
 }
 
@@ -244,6 +250,46 @@ mod tests {
             ("12".to_owned(), with_unit(1500.0, "N"))
         );
         assert!(values((1.0, 1.0)).is_empty() && values((0.0, f64::NAN)).is_empty());
+    }
+
+    /// Two points at the same time, as a throw leaves them, and one later: lines of the curve's colour, and no area.
+    #[test]
+    fn few_points_make_lines_and_no_areas() {
+        let mut history = History::default();
+        for (time_s, kinetic_j) in [(0.0, 0.0), (0.0, 40.0), (1e-5, 20.0), (2e-5, 21.0)] {
+            history.offer(Row { time_s, kinetic_j, strain_j: 0.5 * kinetic_j, ..Row::default() });
+        }
+        let context = egui::Context::default();
+        let mut covered_points2 = 0.0;
+        for _ in 0..3 {
+            let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(260.0, 300.0));
+            let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
+            let mut output = context.run_ui(input, |ui| {
+                FIGURES[0].show(ui, &history, 2e-5);
+            });
+            covered_points2 = output
+                .shapes
+                .iter()
+                .flat_map(|shape| context.tessellate(vec![shape.clone()], 1.0))
+                .map(|drawn| area_of(&drawn, ENERGIES[0].color))
+                .sum::<f32>();
+            output.textures_delta.clear();
+        }
+        // The longest way is up to the top and half down, and a swatch beside the name.
+        let longest = 1.6 * (HEIGHT * 1.5 + 260.0) + 200.0;
+        assert!((100.0..longest).contains(&covered_points2), "{covered_points2}");
+    }
+
+    fn area_of(drawn: &egui::ClippedPrimitive, color: Color32) -> f32 {
+        let egui::epaint::Primitive::Mesh(mesh) = &drawn.primitive else { return 0.0 };
+        let corners = mesh
+            .indices
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|corners| corners.map(|corner| mesh.vertices[corner as usize]));
+        let colored = corners.filter(|corners| corners.iter().all(|corner| corner.color == color));
+        colored.map(|[a, b, c]| 0.5 * ((b.pos - a.pos).rot90().dot(c.pos - a.pos)).abs()).sum()
     }
 
     #[test]

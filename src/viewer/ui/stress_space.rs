@@ -2,6 +2,7 @@
 //! hydrostatic axis at its mean stress, and along it at its angle.
 
 use super::element::{CIRCLE, ENVELOPE, figure};
+use super::plots::line;
 use super::widgets::measured;
 use crate::fracture::envelope::{
     DrawnRange, deviatoric_place_pa, deviatoric_section, distance_along_pa, meridian, principal_place,
@@ -9,7 +10,7 @@ use crate::fracture::envelope::{
 };
 use crate::fracture::{Criterion, CriterionError};
 use egui::{RichText, Ui};
-use egui_plot::{Line, PlotPoints, Points};
+use egui_plot::Points;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -90,7 +91,7 @@ pub fn show(ui: &mut Ui, surface: &Result<NearSurface, CriterionError>, principa
         format!("Across the hydrostatic axis at a mean stress of {}; s1 points up.", measured(mean_pa, "Pa"));
     ui.label(RichText::new(text).small().weak());
     figure(ui, "meridian").show(ui, |plot| {
-        plot.line(Line::new("failure", near.meridian.clone()).color(ENVELOPE).width(1.4));
+        plot.line(line("failure", near.meridian.clone()).color(ENVELOPE).width(1.4));
         plot.points(Points::new("element", vec![[mean_pa, distance_pa]]).radius(4.0).color(CIRCLE));
     });
     let text = "Along it, at the element's angle: mean stress, and distance from the axis √(2 J2).";
@@ -104,10 +105,10 @@ fn across(ui: &mut Ui, near: &NearSurface, principal_pa: DVec3) {
         let weak = egui::Color32::GRAY.gamma_multiply(0.6);
         for (axis, label) in [(DVec3::X, "s1"), (DVec3::Y, "s2"), (DVec3::Z, "s3")] {
             let end = (deviatoric_place_pa(axis).normalize() * shown_pa).to_array();
-            plot.line(Line::new(label, PlotPoints::from(vec![[0.0, 0.0], end])).color(weak).width(1.0));
+            plot.line(line(label, vec![[0.0, 0.0], end]).color(weak).width(1.0));
         }
         for piece in &near.section {
-            plot.line(Line::new("failure", piece.clone()).color(ENVELOPE).width(1.4));
+            plot.line(line("failure", piece.clone()).color(ENVELOPE).width(1.4));
         }
         plot.points(Points::new("element", vec![place]).radius(4.0).color(CIRCLE));
     });

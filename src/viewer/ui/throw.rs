@@ -1,6 +1,7 @@
 //! Throwing and dropping bodies into the scene.
 
 use super::Action;
+use super::inspector::row;
 use super::widgets::Parameter;
 use crate::viewer::app::App;
 use crate::viewer::thrown::{TOOL, ThrowKind};
@@ -46,32 +47,33 @@ fn choices(ui: &mut Ui, app: &mut App) {
     let copies = bodies.filter(|body| matches!(body.motion, crate::sim::BodyMotion::Deformable(_)));
     let copies = copies.map(|body| ThrowKind::CopyOf(body.name.clone()));
     let kinds: Vec<ThrowKind> = ThrowKind::SHAPES.into_iter().chain(copies).collect();
-    ui.horizontal(|ui| {
-        let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
-        ComboBox::from_id_salt("thrown body")
-            .width(width)
-            .truncate()
-            .selected_text(words(&aim.kind))
-            .show_ui(ui, |ui| {
-                for kind in kinds {
-                    let text = words(&kind);
-                    ui.selectable_value(&mut aim.kind, kind, text);
-                }
-            });
-        let is_copy = matches!(aim.kind, ThrowKind::CopyOf(_));
-        ui.add_enabled_ui(!is_copy, |ui| {
+    row(ui, "Body", |ui| {
+        let shown = words(&aim.kind);
+        let combo = ComboBox::from_id_salt("thrown body").width(ui.available_width()).truncate();
+        let combo = combo.selected_text(&shown).show_ui(ui, |ui| {
+            for kind in kinds {
+                let text = words(&kind);
+                ui.selectable_value(&mut aim.kind, kind, text);
+            }
+        });
+        // Names of bodies may be longer than there is room.
+        combo.response.on_hover_text(format!("What is thrown or dropped: {shown}"));
+    });
+    let is_copy = matches!(aim.kind, ThrowKind::CopyOf(_));
+    ui.add_enabled_ui(!is_copy, |ui| {
+        row(ui, "Made of", |ui| {
             let scene = app.snapshot.scene.clone();
             let materials = scene.as_ref().map(|scene| scene.body_materials()).unwrap_or_default();
-            let shown = if is_copy { "as it is" } else { material_words(&aim.material) };
-            let hint = "What it is made of. The tool is heavy and never breaks.";
+            let shown = if is_copy { "as it is" } else { material_words(&aim.material) }.to_owned();
             let combo = ComboBox::from_id_salt("thrown material").width(ui.available_width()).truncate();
-            let combo = combo.selected_text(shown).show_ui(ui, |ui| {
+            let combo = combo.selected_text(&shown).show_ui(ui, |ui| {
                 ui.selectable_value(&mut aim.material, TOOL.to_owned(), material_words(TOOL));
                 for name in materials.into_iter().filter(|name| *name != TOOL) {
                     ui.selectable_value(&mut aim.material, name.to_owned(), name);
                 }
             });
-            combo.response.on_hover_text(hint);
+            let hint = "A material of the scene, or that of a tool, which is heavy and never breaks";
+            combo.response.on_hover_text(format!("{shown}\n{hint}"));
         });
     });
 }

@@ -87,7 +87,7 @@ fn rounded(value: f64) -> f64 {
     if result.is_finite() { result } else { value }
 }
 
-/// The scrolled inside of a panel at the side; its bar has a margin of its own.
+/// The scrolled inside of a panel at the side, or of the gallery; its bar has a margin of its own.
 pub fn side_scroll() -> ScrollArea {
     let bar = egui::Margin { right: 10, ..egui::Margin::ZERO };
     ScrollArea::vertical().auto_shrink(false).content_margin(bar)
