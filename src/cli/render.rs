@@ -83,7 +83,8 @@ pub struct RenderArgs {
     pub color_range: Option<String>,
     /// Cut the bodies open and show their inside; what lies beyond the plane in this direction is left out
     ///
-    /// DIRECTION is x, y, z, -x, -y, -z or three numbers such as 1,0,2. PLACE is metres along it from the origin, for
+    /// DIRECTION is x, y, z, -x, +x and so on, or three numbers such as 1,0,2. x, y and z without a sign leave out the
+    /// side that would hide the section from the camera. PLACE is metres along it from the origin, for
     /// example 0.05 or 50mm; without it the plane goes through the middle of the bodies at the first picture. Fixed
     /// bodies stay whole.
     #[arg(long, value_name = "DIRECTION[=PLACE]", value_parser = parse_cut, allow_hyphen_values = true)]
@@ -199,8 +200,7 @@ struct Film {
 /// The frames up to the end, or to where the run failed or was interrupted.
 fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Film, Result<Arrival, Failure>) {
     let mut film = Film::default();
-    let mut looking = shot.looking();
-    looking.begin(&world.publish());
+    let mut looking = shot.looking(&world.publish());
     let mut progress = console.progress(shot.end_s());
     for moment_s in shot.moments_s() {
         let arrival = stepping::advance(world, moment_s, |_, step| {

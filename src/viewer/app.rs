@@ -629,7 +629,7 @@ impl App {
             }
             Action::ToggleCut => {
                 let shown = self.shown().clone();
-                self.look.closer.toggle_cut(&shown);
+                self.look.closer.toggle_cut(&shown, &self.look.camera);
             }
             Action::CutEdited(closer) => self.look.closer = closer,
             Action::ToggleCrosses => self.look.closer.with_crosses = !self.look.closer.with_crosses,

@@ -357,7 +357,7 @@ mod tests {
             let mut look = Look::default();
             look.color_by = crate::frame::ColorBy::VonMises;
             look.camera.distance_m = 7.5;
-            look.closer.toggle_cut(&Frame::default());
+            look.closer.toggle_cut(&Frame::default(), &look.camera);
             (look.closer.position_m, look.closer.is_flipped, look.closer.with_crosses) = (0.125, true, true);
             let typed = &mut look.typed_range;
             (typed.is_on, typed.low, typed.high) = (true, "-2 kPa".into(), "3 MPa".into());
@@ -391,7 +391,7 @@ mod tests {
             assert_eq!(again.seeing(), look.seeing());
             assert_eq!(again.view(1.0).range, look.view(1.0).range);
             // And once more from there, with nothing of it.
-            look.closer.toggle_cut(&Frame::default());
+            look.closer.toggle_cut(&Frame::default(), &look.camera);
             (look.closer.with_crosses, look.typed_range.is_on) = (false, false);
             let text = scene_text(&saved, ("", 1.0), &look, 0.01).unwrap();
             again.open(&snapshot(Scene::from_text("saved", &text, scene.folder(), &[]).unwrap()));
