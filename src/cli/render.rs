@@ -14,7 +14,7 @@ use super::shot::{Shot, Studio};
 use super::stepping::{self, Arrival};
 use crate::export::png::{write_png, write_small_png};
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Framing, UnknownView};
+use crate::render::{Framing, UnknownView, short};
 use crate::sim::World;
 use crate::viewer::{WindowShot, WindowState, window_picture};
 use clap::{Args, ValueEnum};
@@ -65,7 +65,7 @@ pub struct RenderArgs {
     /// Simulated time
     #[arg(long, value_name = "S", value_parser = parse_duration, allow_negative_numbers = true)]
     pub duration: Option<f64>,
-    /// The moment that a .png shows; the last one by default
+    /// The moment that a .png shows; the last one by default. The scene is simulated on for one beyond its end
     #[arg(long, value_name = "S", value_parser = parse_time, allow_negative_numbers = true)]
     #[arg(conflicts_with_all = ["duration", "fps", "slow_motion"])]
     pub at: Option<f64>,
@@ -128,6 +128,9 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
         ));
     }
     let scene = scene_source::load(&args.scene, &common.overrides, console)?;
+    if let Some(note) = args.at.and_then(|at_s| beyond_the_end(at_s, scene.description.duration_s)) {
+        console.note(format_args!("note: {note}"));
+    }
     if let Some(state) = args.panels {
         return draw_window((args, state), common, scene.description.duration_s, console);
     }
@@ -150,6 +153,19 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
         drawn_in_s: started.elapsed().as_secs_f64() - simulated_in_s,
     }
     .tell(simulated, drawn, console)
+}
+
+/// What is said before it takes its time, of a moment beyond the scene's end.
+fn beyond_the_end(at_s: f64, end_s: f64) -> Option<String> {
+    (at_s > end_s).then(|| {
+        format!(
+            "the scene ends at {}; it is simulated on to {}, {} times as far. For a moment of the scene itself give a \
+             smaller `--at`",
+            seconds(end_s),
+            seconds(at_s),
+            short(at_s / end_s)
+        )
+    })
 }
 
 /// Size of the window when nobody has chosen, pixels: there must be room for the panels.
