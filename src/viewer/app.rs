@@ -7,7 +7,8 @@ use super::inspection::Inspection;
 use super::look::Look;
 use super::player::Player;
 use super::recording::Recording;
-use super::saving::{self, GIF_FPS, Job, MOST_PICTURES, Saver, Shot};
+use super::saver::Saver;
+use super::saving::{self, GIF_FPS, Job, MOST_PICTURES, Shot};
 use super::simulation::Simulation;
 use super::snapshot::{Command, Looked, Notice, Snapshot};
 use super::thumbnails::{Sketch, Sketcher};
@@ -507,9 +508,8 @@ impl App {
 
     fn save(&mut self, kind: SaveKind) {
         let Some(scene) = self.snapshot.scene.clone() else { return };
-        let frame = self.drawn().clone();
         let job = match kind {
-            SaveKind::Picture => Job::Picture(frame, Box::new(self.shot(false))),
+            SaveKind::Picture => Job::Picture(self.drawn().clone(), Box::new(self.shot(false))),
             SaveKind::Animation => {
                 let recording = &self.snapshot.recording;
                 let at = |time_s| recording.at(time_s).map(|moment| moment.frame.clone());
@@ -527,8 +527,9 @@ impl App {
                     }
                 }
             }
-            SaveKind::Obj => Job::Obj(frame),
-            SaveKind::Ply => Job::Ply(frame),
+            // Whole and where it is: cuts and explosions are only for the eye.
+            SaveKind::Obj => Job::Obj(self.shown().clone()),
+            SaveKind::Ply => Job::Ply(self.shown().clone()),
         };
         if let Err(reason) = self.saver.start(job, &self.save.folder, &scene.name) {
             self.trouble = Some(reason);
@@ -537,20 +538,21 @@ impl App {
 
     /// Tells how saving came out. A failure stays until it is closed.
     fn look_after_saving(&mut self, context: &egui::Context) {
-        match self.saver.finished() {
-            Some(Ok(text)) => {
-                if !self.save.is_in_sight {
-                    self.said = Some(in_a_sentence(&text));
+        while let Some(outcome) = self.saver.finished() {
+            match outcome {
+                Ok(text) => {
+                    if !self.save.is_in_sight {
+                        self.said = Some(in_a_sentence(&text));
+                    }
+                    self.save.outcome = Some(text);
                 }
-                self.save.outcome = Some(text);
+                Err(reason) => {
+                    self.save.outcome = None;
+                    self.trouble = Some(format!("Not saved: {reason}"));
+                }
             }
-            Some(Err(reason)) => {
-                self.save.outcome = None;
-                self.trouble = Some(format!("Not saved: {reason}"));
-            }
-            None => {}
         }
-        if self.saver.progress().is_some() {
+        if self.saver.is_busy() {
             context.request_repaint_after(SAVING_LOOK);
         }
     }

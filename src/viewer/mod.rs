@@ -32,6 +32,7 @@ mod pick;
 mod player;
 mod preferences;
 mod recording;
+mod saver;
 mod saving;
 mod scene_camera;
 mod session;
