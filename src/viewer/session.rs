@@ -2,7 +2,9 @@
 
 mod edit_tree;
 mod hand;
+mod left;
 mod looking;
+mod planned;
 mod redo;
 mod scene_edits;
 mod timeline;
@@ -10,13 +12,14 @@ mod timeline;
 use super::history::{History, Row};
 use super::inspection::Inspection;
 use super::pacing::{FRAME_S, Pace, SpeedMeter};
-use super::recording::Recording;
+use super::recording::{Mark, Recording};
 use super::snapshot::{Command, Notice, Snapshot};
 use crate::frame::Frame;
 use crate::scene::Scene;
 use crate::sim::{ContactChange, ContactParameters, SimError, StepReport, World};
 use edit_tree::{Done, EditTree};
 use hand::Hand;
+use left::LeftRuns;
 use redo::Redoing;
 use std::sync::Arc;
 use timeline::Keyframe;
@@ -64,6 +67,10 @@ pub struct Session {
     /// What was changed in the running scene.
     edits: EditTree,
     redoing: Option<Redoing>,
+    /// The runs before the last resets.
+    left: LeftRuns,
+    /// What the scene as it was built has in store.
+    planned: Arc<[Mark]>,
     /// The mouse, while it pulls at a body.
     hand: Option<Hand>,
     /// What earlier edits added to the scene's text that a reset kept.
@@ -109,6 +116,8 @@ impl Default for Session {
             moments_since_keyframe: 0,
             edits: EditTree::default(),
             redoing: None,
+            left: LeftRuns::default(),
+            planned: Arc::default(),
             hand: None,
             kept_text: String::new(),
             inspected: None,
@@ -251,9 +260,10 @@ impl Session {
                 .and_then(|(run, (body, element))| Inspection::of(&run.world, body, element)),
             with_interior: self.with_interior,
             looked,
-            undo: self.edits.last_step().map(|(_, step)| step.what.clone()),
-            redo: self.edits.next().map(|edit| edit.what.clone()),
-            redo_other: self.edits.other().map(|edit| edit.what.clone()),
+            planned: self.planned.clone(),
+            undo: self.undo_words(),
+            redo: self.redo_words(),
+            redo_other: self.redo_other_words(),
             redoing: self.redoing_words(),
             late_text: self.edits.text(self.time_s(), false).into(),
             can_repeat: self.edits.len() > 0 || !self.kept_text.is_empty(),
@@ -308,6 +318,7 @@ impl Session {
         self.notice = None;
         self.thrown = 0;
         self.kept_text.clear();
+        self.left = LeftRuns::default();
         self.start(scene.clone(), scene.clone(), world, None);
         self.set_playing(play);
         if !scene.warnings.is_empty() {
@@ -337,13 +348,17 @@ impl Session {
         });
         match built {
             Ok((scene, world)) => {
+                // Changes of contact that are kept come again by themselves.
+                let contact = self.contact.clone().filter(|_| !keep);
+                let told = self.reset_text(keep);
+                self.leave_run(if keep { "starting again" } else { "going back to the start" }, keep);
                 if !keep {
                     self.thrown = 0;
                 }
                 self.kept_text = kept;
-                // Changes of contact that are kept come again by themselves.
-                let contact = self.contact.clone().filter(|_| !keep);
                 self.start(base, scene, world, contact);
+                self.share_memory();
+                told.into_iter().for_each(|told| self.mention(told));
             }
             Err(reason) => self.tell(format!("the scene could not be reset: {reason}")),
         }
@@ -364,6 +379,7 @@ impl Session {
         self.standing_steps = 0;
         self.forget_recording();
         self.run_up_end_s = scene.description.recording.start_s;
+        self.planned = planned::marks(&scene.description);
         self.restart_clock();
         let body_names = names_of(&world);
         self.run = Some(Run { base, scene, world, body_names });

@@ -2,7 +2,7 @@
 
 use super::history::History;
 use super::inspection::Inspection;
-use super::recording::Recording;
+use super::recording::{Mark, Recording};
 use super::thrown::Throw;
 use crate::frame::Frame;
 use crate::scene::Scene;
@@ -153,6 +153,8 @@ pub struct Snapshot {
     pub with_interior: bool,
     /// The recorded moment that is looked into.
     pub looked: Option<Looked>,
+    /// What the scene has in store by itself: who comes in, goes out, is pulled, and when.
+    pub planned: Arc<[Mark]>,
     /// What undo would take back.
     pub undo: Option<String>,
     /// What redo would do again.
