@@ -32,4 +32,4 @@ pub use contact_log::ContactEpisode;
 pub use pull::{PathPoint, Pull};
 pub use report::{PhaseTimes, Sample, Stage, StepReport};
 pub use setup::*;
-pub use world::{ElementStress, NEVER_FAILED_S, SimError, World};
+pub use world::{ElementStress, NEVER_FAILED_S, SimError, World, raise_clear};

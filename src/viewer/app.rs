@@ -3,6 +3,7 @@
 use super::aim::Aim;
 use super::closer::{Seeing, has_interior};
 use super::edits::Edits;
+use super::foresight::Ghost;
 use super::inspection::Inspection;
 use super::look::Look;
 use super::player::Player;
@@ -274,6 +275,15 @@ impl App {
     #[must_use]
     pub fn shown(&self) -> &Arc<Frame> {
         self.player.moment(&self.snapshot.recording).map_or(&self.snapshot.frame, |moment| &moment.frame)
+    }
+
+    /// What the throw under way would bring in, where it would start; `None` until that is known.
+    #[must_use]
+    pub fn ghost(&self) -> Option<Ghost<'_>> {
+        let start_m = self.aim.start_m(&self.look.camera, self.aspect())?;
+        let foreseen =
+            self.snapshot.foreseen.as_ref().filter(|foreseen| foreseen.number == self.aim.drags)?;
+        Some(foreseen.at(start_m, self.shown()))
     }
 
     /// What is drawn: that with its fragments moved apart, cut open, with stress crosses, if so wished.
@@ -602,6 +612,10 @@ impl App {
             Action::Again => self.reset(true),
             Action::SetSpeed(speed) => self.simulation.send(Command::SetSpeed(speed)),
             Action::Throw(throw) => self.edit_scene(Command::Throw(throw)),
+            Action::Foresee(throw) => {
+                let time_s = self.player.moment(&self.snapshot.recording).map(|moment| moment.time_s);
+                self.simulation.send(Command::Foresee { number: self.aim.drags, throw, time_s });
+            }
             Action::Remove(body) => self.edit_scene(Command::Remove(body)),
             Action::Inspect(body, element) => self.inspect(body, element),
             Action::Grab { element, point_m, to_m } => {

@@ -19,6 +19,7 @@ mod criterion_edit;
 mod damage;
 mod edits;
 mod exploded;
+mod foresight;
 mod frame_times;
 mod graphics;
 mod history;

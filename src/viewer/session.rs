@@ -9,6 +9,7 @@ mod redo;
 mod scene_edits;
 mod timeline;
 
+use super::foresight::Foreseen;
 use super::history::{History, Row};
 use super::inspection::Inspection;
 use super::pacing::{FRAME_S, Pace, SpeedMeter};
@@ -73,6 +74,8 @@ pub struct Session {
     planned: Arc<[Mark]>,
     /// The mouse, while it pulls at a body.
     hand: Option<Hand>,
+    /// What the throw under way would bring in.
+    foreseen: Option<Arc<Foreseen>>,
     /// What earlier edits added to the scene's text that a reset kept.
     kept_text: String,
     /// Body and element looked at closely.
@@ -119,6 +122,7 @@ impl Default for Session {
             left: LeftRuns::default(),
             planned: Arc::default(),
             hand: None,
+            foreseen: None,
             kept_text: String::new(),
             inspected: None,
             with_interior: false,
@@ -152,6 +156,7 @@ impl Session {
             Command::SetSpeed(speed) => self.set_speed(speed),
             Command::SetContact(contact) => self.set_contact(contact),
             Command::Throw(throw) => self.throw(&throw),
+            Command::Foresee { number, throw, time_s } => self.foresee(number, &throw, time_s),
             Command::Remove(body) => self.remove(body),
             Command::Grab { element, point_m, to_m } => self.grab(element, point_m, to_m),
             Command::Drag(to_m) => self.drag(to_m),
@@ -261,6 +266,7 @@ impl Session {
             with_interior: self.with_interior,
             looked,
             planned: self.planned.clone(),
+            foreseen: self.foreseen.clone(),
             undo: self.undo_words(),
             redo: self.redo_words(),
             redo_other: self.redo_other_words(),
@@ -374,6 +380,7 @@ impl Session {
     ) {
         self.built += 1;
         self.run_error = None;
+        self.foreseen = None;
         self.history = Arc::default();
         (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
         self.standing_steps = 0;

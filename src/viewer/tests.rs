@@ -4,6 +4,7 @@ mod frame_loop;
 mod layout;
 mod random_input;
 mod taking_home;
+mod throwing;
 
 use super::app::App;
 use super::simulation::Simulation;
@@ -335,9 +336,9 @@ fn bodies_are_cut_open_and_stress_crosses_shown() {
     wait(&mut window, "the inside", |app| app.snapshot.with_interior);
     settle(&mut window);
     let cut = window.state().look.closer.cut().unwrap();
+    assert!(cut.normal.dot(window.state().look.camera.axes()[2]) > 0.0, "the section faces away");
     let moving = |app: &App| app.drawn().bodies.iter().rposition(|body| body.role == BodyRole::Deformable);
     let ball = moving(window.state()).unwrap();
-    assert!(cut.normal.dot(window.state().look.camera.axes()[2]) > 0.0, "the section faces away");
     let body = window.state().drawn().bodies[ball].clone();
     assert!(!body.positions_m.is_empty() && body.positions_m.iter().all(|p| cut.beyond_m(*p) < 1e-5));
     // The section is there: many points lie in the plane.

@@ -169,6 +169,16 @@ impl Session {
         true
     }
 
+    /// The last run that was kept before a time and so many edits, and how many bodies had been thrown in by then: not the
+    /// moment itself, but who was there.
+    pub(super) fn run_before(&self, time_s: f64, edits: usize) -> Option<(&Run, usize)> {
+        let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
+        let keyframe = self.keyframes.iter().rev().find(is_before)?;
+        let since = self.edits.iter().take(edits).skip(keyframe.edits);
+        let thrown = since.filter(|edit| matches!(edit.done, Done::Enter(..))).count();
+        Some((&keyframe.run, keyframe.thrown + thrown))
+    }
+
     /// The run at a time, after so many edits.
     pub(super) fn run_at(&self, time_s: f64, edits: usize) -> Result<(Run, usize), SimError> {
         let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
