@@ -16,7 +16,7 @@ use super::pacing::{FRAME_S, Pace, SpeedMeter};
 use super::recording::{Mark, Recording};
 use super::snapshot::{Command, Notice, Snapshot};
 use crate::frame::Frame;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneError};
 use crate::sim::{ContactChange, ContactParameters, SimError, StepReport, World};
 use edit_tree::{Done, EditTree};
 use hand::Hand;
@@ -311,7 +311,9 @@ impl Session {
     fn open(&mut self, name: &str, overrides: &[String], play: bool) {
         let scene = match Scene::load(name, overrides) {
             Ok(scene) => Arc::new(scene),
-            Err(error) => return self.tell(format!("{name}: {error}")),
+            Err(error @ SceneError::Invalid { .. }) => return self.tell(format!("{name}: {error}")),
+            // All others name it.
+            Err(error) => return self.tell(error.to_string()),
         };
         let world = match World::new(scene.setup.clone()) {
             Ok(world) => world,
@@ -386,7 +388,7 @@ impl Session {
         self.standing_steps = 0;
         self.forget_recording();
         self.run_up_end_s = scene.description.recording.start_s;
-        self.planned = planned::marks(&scene.description);
+        self.planned = planned::marks(&scene.description, !self.kept_text.is_empty());
         self.restart_clock();
         let body_names = names_of(&world);
         self.run = Some(Run { base, scene, world, body_names });

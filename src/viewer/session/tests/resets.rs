@@ -81,6 +81,25 @@ fn what_was_done_before_the_reset_can_be_done_again_instead_of_it() {
 }
 
 #[test]
+fn a_scene_with_plans_of_its_own_shows_them_and_none_beyond_its_end() {
+    let (_folder, path) = late_slider();
+    let planned = |session: &mut Session| {
+        let marks = session.snapshot().planned.clone();
+        marks.iter().map(|mark| mark.text.clone()).collect::<Vec<_>>()
+    };
+    let mut session = opened(&path, &[]);
+    assert_eq!(planned(&mut session), ["late comes in", "later comes in"]);
+    let mut session = opened(&path, &["bodies.later.enters=1e6"]);
+    assert_eq!(planned(&mut session), ["late comes in"]);
+    // What was thrown beyond the end comes again there.
+    let mut session = opened("bounce", &["time.duration=0.01"]);
+    assert!(session.simulate_to(0.02));
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    reset(&mut session, true);
+    assert_eq!(planned(&mut session), ["thrown-ball-1 comes in"]);
+}
+
+#[test]
 fn a_plain_reset_is_taken_back_too_and_one_of_nothing_is_none() {
     let mut session = opened("bounce", &[]);
     play(&mut session, 5);
