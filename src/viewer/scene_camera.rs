@@ -10,13 +10,34 @@ use glam::Vec3;
 pub fn opening_camera(scene: &SceneDescription, framing: &Framing, aspect: f32) -> Camera {
     let wanted = scene.recording.camera.as_deref();
     let named = wanted.and_then(|name| scene.cameras.iter().find(|camera| camera.name == name));
+    let recorded = scene.recording.size_px.map(|side_px| side_px as f32);
+    let narrower = recorded[0] / recorded[1] / aspect;
     if let Some(camera) = named {
-        return scene_camera(camera, framing, aspect);
+        return farther_off(scene_camera(camera, framing, aspect), framing, aspect, narrower);
     }
     match (wanted.and_then(|name| name.parse::<NamedView>().ok()), scene.cameras.first()) {
-        (None, Some(first)) => scene_camera(first, framing, aspect),
+        (None, Some(first)) => farther_off(scene_camera(first, framing, aspect), framing, aspect, narrower),
         (view, _) => framing.camera(view.unwrap_or_default(), aspect),
     }
+}
+
+/// A camera that was placed for a picture so many times wider, as far back as it takes to see at the sides what that
+/// picture shows there.
+fn farther_off(camera: Camera, framing: &Framing, aspect: f32, narrower: f32) -> Camera {
+    const TRIES: u8 = 8;
+    if narrower.is_nan() || narrower <= 1.0 {
+        return camera;
+    }
+    let points_m = framing.shown_points_m();
+    let at = |try_: u8| {
+        let factor = narrower.powf(f32::from(try_) / f32::from(TRIES));
+        Camera { distance_m: camera.distance_m * factor, ..camera }
+    };
+    let sees_sides = |camera: &Camera| {
+        let places = points_m.iter().map(|point_m| camera.picture_position(*point_m, aspect));
+        places.flatten().all(|place| (0.0..=1.0).contains(&place.x))
+    };
+    (0..TRIES).map(at).find(sees_sides).unwrap_or_else(|| at(TRIES))
 }
 
 /// Resolves a camera of a scene for a picture of the given width over height.
@@ -54,6 +75,24 @@ fn look_from(camera: &mut Camera, eye_m: Vec3, target_m: Vec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_narrow_view_is_farther_off_only_where_something_would_be_cut_off() {
+        let scene = crate::scene::Scene::load("hammer-table", &[]).unwrap();
+        let frame = crate::sim::World::new(scene.setup.clone()).unwrap().publish();
+        let framing = Framing::of(&frame);
+        let [width, height] = scene.description.recording.size_px.map(|side_px| side_px as f32);
+        let camera = |aspect: f32| opening_camera(&scene.description, &framing, aspect);
+        let recorded = camera(width / height);
+        assert_eq!(camera(2.0 * width / height), recorded);
+        let narrow = camera(0.8);
+        assert!(narrow.distance_m > recorded.distance_m, "{narrow:?}");
+        assert!(narrow.distance_m <= recorded.distance_m * width / height / 0.8 * 1.0001);
+        for point_m in framing.shown_points_m() {
+            let place = narrow.picture_position(point_m, 0.8).unwrap();
+            assert!((0.0..=1.0).contains(&place.x), "{place}");
+        }
+    }
 
     #[test]
     fn a_camera_at_a_point_has_its_eye_there() {
