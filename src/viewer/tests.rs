@@ -2,6 +2,7 @@
 
 mod frame_loop;
 mod layout;
+mod picking;
 mod random_input;
 mod taking_home;
 mod throwing;

@@ -25,6 +25,8 @@ mod toolbar;
 mod viewport;
 mod widgets;
 
+#[cfg(test)]
+pub use element::skin_in_sight;
 pub use widgets::open_only;
 
 use super::app::{App, SaveKind};

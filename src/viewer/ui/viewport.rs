@@ -1,11 +1,12 @@
 //! The scene itself, and the mouse over it.
 
 use super::widgets::measured;
-use super::{Action, banner, ghost, grab, style};
+use super::{Action, banner, element, ghost, grab, style};
 use crate::viewer::app::App;
 use crate::viewer::orbit::MouseInput;
 use crate::viewer::pick::{Hit, pick};
-use egui::{Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
+use egui::text::LayoutJob;
+use egui::{Align, Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 use glam::{Vec2, Vec3};
 
 /// Shows the picture of the scene; what it shows is drawn after the layout, so it is never a frame late.
@@ -48,6 +49,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         banner::waiting(ui, area, "Opening the scene …");
     } else {
         draw_aim(ui, app, area);
+        element::mark(ui, app, area);
         grab::draw(ui, app, area);
         body_menu(ui, app, area, &response, actions);
     }
@@ -104,9 +106,12 @@ fn draw_aim(ui: &Ui, app: &App, area: Rect) {
     let Some(path) = app.aim.path(app.shown(), &app.look.camera, aspect(area), lift_m) else {
         if app.aim.is_armed && app.aim.drag.is_none() {
             let text = "Press where the body shall start, drag to its target, let go to throw. Esc: no more throwing";
-            let at = area.center_top() + egui::vec2(0.0, 14.0);
+            // In more lines where the view is narrow.
             let font = FontId::proportional(12.5);
-            ui.painter().text(at, Align2::CENTER_TOP, text, font, style::accent());
+            let mut job = LayoutJob::simple(text.to_owned(), font, style::accent(), area.width() - 24.0);
+            job.halign = Align::Center;
+            let galley = ui.painter().layout_job(job);
+            ui.painter().galley(area.center_top() + egui::vec2(0.0, 14.0), galley, style::accent());
         }
         return;
     };
@@ -152,7 +157,8 @@ fn body_menu(ui: &Ui, app: &App, area: Rect, response: &Response, actions: &mut 
         ui.strong(&*name);
         let is_own = app.snapshot.scene.as_ref().is_some_and(|scene| scene.entry_of(&name).is_some());
         ui.add_enabled_ui(is_own, |ui| {
-            if ui.button("Take out of the scene").clicked() {
+            let hint = "Only the scene's bodies and what was thrown can be taken out";
+            if ui.button("Take out of the scene").on_disabled_hover_text(hint).clicked() {
                 actions.push(Action::Remove(body));
             }
         });
