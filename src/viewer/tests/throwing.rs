@@ -18,6 +18,10 @@ fn a_throw_is_seen_before_at_its_size_where_it_will_start() {
     let mut window = window();
     open(&mut window, "bounce");
     press(&mut window, "Pause (space)");
+    // However far it has come: the ball is where the scene has it.
+    window.key_press(egui::Key::R);
+    settle(&mut window);
+    assert_eq!(window.state().snapshot.frame.time_s, 0.0);
     let bodies = window.state().snapshot.frame.bodies.len();
     press(&mut window, "Throw with the mouse");
     assert!(window.state().ghost().is_none());
