@@ -2,6 +2,7 @@
 
 use super::render::PanelState;
 use crate::export::ExportError;
+use crate::scene::nearest;
 use crate::sim::SimError;
 use clap::ValueEnum as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -76,16 +77,29 @@ impl From<ExportError> for Failure {
     }
 }
 /// Prints clap's message, or the help that was asked for, and gives its exit status.
-pub fn report_usage(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+pub fn report_usage(mut error: clap::Error, commands: &clap::Command, arguments: &[OsString]) -> ExitCode {
+    suggest_command(&mut error, commands);
     // Fails only when nobody reads any more.
     let _ = error.print();
-    if let Some(state) = unexpected_state(error, arguments) {
+    if let Some(state) = unexpected_state(&error, arguments) {
         let _ = writeln!(
             io::stderr(),
             "\n  tip: a state of the window follows --panels with an equals sign: --panels={state}"
         );
     }
     ExitCode::from(if error.use_stderr() { STATUS_BAD_INPUT } else { 0 })
+}
+
+/// Puts the nearest command into the place of clap's suggestion, which does not take letters that changed places for a slip.
+fn suggest_command(error: &mut clap::Error, commands: &clap::Command) {
+    if error.kind() != ErrorKind::InvalidSubcommand {
+        return;
+    }
+    let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidSubcommand) else { return };
+    let found = nearest(typed, commands.get_subcommands().map(clap::Command::get_name)).map(str::to_owned);
+    if let Some(name) = found {
+        error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![name]));
+    }
 }
 
 /// The state in `--panels element`, which is read as one argument too many.

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Cut, Range, cross_room_m, look_inside, parse_with_unit, with_unit};
+use crate::render::{Camera, Cut, Range, cross_room_m, look_inside, parse_with_unit, with_unit};
 use crate::scene::description::CutPlane;
 use glam::Vec3;
 
@@ -16,17 +16,27 @@ pub struct CutChoice {
     position_m: Option<f32>,
     /// Whether the scene says so, and not the command line.
     is_of_scene: bool,
+    /// Whether the other side may be left out, so that the section is looked into.
+    is_side_free: bool,
 }
 
 impl CutChoice {
     /// The one that a scene is recorded with; `None` for a direction beyond single precision.
     pub fn of_scene(plane: &CutPlane) -> Option<Self> {
         let position_m = plane.at_m.map(|at_m| at_m as f32);
-        Some(Self { normal: plane.normal()?, position_m, is_of_scene: true })
+        Some(Self { normal: plane.normal()?, position_m, is_of_scene: true, is_side_free: false })
+    }
+
+    /// The same plane, looked into by a camera where nobody has said which side is left out.
+    fn facing(self, camera: &Camera) -> Self {
+        if !self.is_side_free || Cut::is_looked_into(self.normal, camera) {
+            return self;
+        }
+        Self { normal: -self.normal, position_m: self.position_m.map(|place_m| -place_m), ..self }
     }
 }
 
-/// Reads `x`, `-y`, `1,0,2`, each perhaps with `=POSITION`.
+/// Reads `x`, `-y`, `+y`, `1,0,2`, each perhaps with `=POSITION`. An axis without a sign leaves the side open.
 ///
 /// # Errors
 /// What is wrong and what is expected, for clap to print.
@@ -37,11 +47,16 @@ pub fn parse_cut(text: &str) -> Result<CutChoice, String> {
     };
     let normal = parse_direction(direction.trim())?;
     let position_m = position.map(parse_position).transpose()?;
-    Ok(CutChoice { normal, position_m, is_of_scene: false })
+    let is_side_free = matches!(direction.trim(), "x" | "X" | "y" | "Y" | "z" | "Z");
+    Ok(CutChoice { normal, position_m, is_of_scene: false, is_side_free })
 }
 
 fn parse_direction(text: &str) -> Result<Vec3, String> {
-    let (sign, bare) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
+    let (sign, bare) = match (text.strip_prefix('-'), text.strip_prefix('+')) {
+        (Some(rest), _) => (-1.0, rest),
+        (None, Some(rest)) => (1.0, rest),
+        (None, None) => (1.0, text),
+    };
     match bare {
         "x" | "X" => return Ok(sign * Vec3::X),
         "y" | "Y" => return Ok(sign * Vec3::Y),
@@ -64,7 +79,8 @@ fn parse_position(text: &str) -> Result<f32, String> {
 }
 
 fn expected_cut() -> String {
-    "expected a direction (x, -y, z, or three numbers such as 1,0,2), perhaps with a place: x=0.05".to_owned()
+    "expected a direction (x, -y, +z, or three numbers such as 1,0,2), perhaps with a place: x=0.05"
+        .to_owned()
 }
 
 /// Reads the ends of a colour range such as `0..2MPa` in the unit of the field.
@@ -116,8 +132,10 @@ impl Looking {
         Self { cut, with_crosses, ..Self::default() }
     }
 
-    /// Puts the scene's own plane where the viewer has it: through the middle of the bodies at the start.
-    pub fn begin(&mut self, start: &Frame) {
+    /// Puts the scene's own plane where the viewer has it: through the middle of the bodies at the start. A side that nobody
+    /// has chosen becomes the one that hides the section from the camera.
+    pub fn begin(&mut self, start: &Frame, camera: &Camera) {
+        self.cut = self.cut.map(|cut| cut.facing(camera));
         self.plane = self.cut.filter(|cut| cut.is_of_scene).and_then(|cut| place(&cut, start));
     }
 
@@ -185,10 +203,14 @@ mod tests {
 
     #[test]
     fn cuts_are_read_with_and_without_a_place() {
-        let cut = |normal: Vec3, position_m| Ok(CutChoice { normal, position_m, is_of_scene: false });
-        assert_eq!(parse_cut("x"), cut(Vec3::X, None));
+        let cut = |normal: Vec3, position_m| {
+            Ok(CutChoice { normal, position_m, is_of_scene: false, is_side_free: false })
+        };
+        assert_eq!(parse_cut("x"), cut(Vec3::X, None).map(|cut| CutChoice { is_side_free: true, ..cut }));
+        assert_eq!(parse_cut("+x=0.5"), cut(Vec3::X, Some(0.5)));
         assert_eq!(parse_cut("-Y=-0.25"), cut(Vec3::NEG_Y, Some(-0.25)));
-        assert_eq!(parse_cut("z = 50 mm"), cut(Vec3::Z, Some(0.05)));
+        let level = cut(Vec3::Z, Some(0.05)).map(|cut| CutChoice { is_side_free: true, ..cut });
+        assert_eq!(parse_cut("z = 50 mm"), level);
         assert_eq!(parse_cut("0, 0, -2=0"), cut(Vec3::NEG_Z, Some(0.0)));
         for text in
             ["", "w", "x=", "x=far", "x=nan", "1,2", "1,2,3,4", "1,2,z", "0,0,0", "nan,0,1", "x=1=2", "--x"]
@@ -225,13 +247,37 @@ mod tests {
         };
         let place = |cut: CutChoice| {
             let mut looking = Looking::new(Some(cut), false);
-            looking.begin(&ball(0.0));
+            looking.begin(&ball(0.0), &Camera::default());
             looking.look(ball(5.0));
             looking.plane.unwrap().position_m
         };
         let plane = CutPlane { across: glam::DVec3::X, at_m: None };
         assert_eq!(place(CutChoice::of_scene(&plane).unwrap()), 0.5);
-        assert_eq!(place(parse_cut("x").unwrap()), 5.5);
+        assert_eq!(place(parse_cut("+x").unwrap()), 5.5);
+    }
+
+    #[test]
+    fn the_section_is_looked_into_where_no_side_is_named() {
+        let frame = Frame {
+            bodies: vec![BodyFrame { positions_m: vec![[0.0; 3], [2.0, 2.0, 2.0]], ..Default::default() }],
+            ..Frame::default()
+        };
+        let plane = |text: &str, yaw_deg: f32| {
+            let mut looking = Looking::new(Some(parse_cut(text).unwrap()), false);
+            let camera = Camera { yaw_rad: yaw_deg.to_radians(), ..Camera::default() };
+            looking.begin(&frame, &camera);
+            looking.look(frame.clone());
+            looking.plane.unwrap()
+        };
+        let cut = |normal, position_m| Cut::new(normal, position_m).unwrap();
+        // Yaw 0 looks along +y: from there the half before the plane hides the section.
+        assert_eq!(plane("y", 0.0), cut(Vec3::NEG_Y, -1.0));
+        assert_eq!(plane("y=0.25", 30.0), cut(Vec3::NEG_Y, -0.25));
+        assert_eq!(plane("y", 180.0), cut(Vec3::Y, 1.0));
+        assert_eq!(plane("+y", 0.0), cut(Vec3::Y, 1.0));
+        assert_eq!(plane("-y", 180.0), cut(Vec3::NEG_Y, -1.0));
+        assert_eq!(plane("0,1,0", 0.0), cut(Vec3::Y, 1.0));
+        assert_eq!(plane("x", 0.0), cut(Vec3::X, 1.0), "edge-on");
     }
 
     /// A length of their lines is the same stress in every picture, however far things fly.

@@ -24,7 +24,7 @@ mod verify;
 mod view;
 
 use args::{CommonArgs, NoArgs, WithCommon};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use console::Console;
 use failure::Failure;
 use std::ffi::OsString;
@@ -109,7 +109,7 @@ pub fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(error) => return failure::report_usage(&error, &arguments),
+        Err(error) => return failure::report_usage(error, &Cli::command(), &arguments),
     };
     // The hook has told about a panic; here it only gets its exit status.
     match std::panic::catch_unwind(AssertUnwindSafe(|| run_command(&cli))) {
@@ -144,7 +144,6 @@ fn on_worker<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_definition_of_the_command_line_is_sound() {

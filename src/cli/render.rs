@@ -14,7 +14,7 @@ use super::shot::{Shot, Studio};
 use super::stepping::{self, Arrival};
 use crate::export::png::{write_png, write_small_png};
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Framing, UnknownView};
+use crate::render::{Framing, UnknownView, short};
 use crate::sim::World;
 use crate::viewer::{WindowShot, WindowState, window_picture};
 use clap::{Args, ValueEnum};
@@ -65,7 +65,7 @@ pub struct RenderArgs {
     /// Simulated time
     #[arg(long, value_name = "S", value_parser = parse_duration, allow_negative_numbers = true)]
     pub duration: Option<f64>,
-    /// The moment that a .png shows; the last one by default
+    /// The moment that a .png shows; the last one by default. The scene is simulated on for one beyond its end
     #[arg(long, value_name = "S", value_parser = parse_time, allow_negative_numbers = true)]
     #[arg(conflicts_with_all = ["duration", "fps", "slow_motion"])]
     pub at: Option<f64>,
@@ -83,7 +83,8 @@ pub struct RenderArgs {
     pub color_range: Option<String>,
     /// Cut the bodies open and show their inside; what lies beyond the plane in this direction is left out
     ///
-    /// DIRECTION is x, y, z, -x, -y, -z or three numbers such as 1,0,2. PLACE is metres along it from the origin, for
+    /// DIRECTION is x, y, z, -x, +x and so on, or three numbers such as 1,0,2. x, y and z without a sign leave out the
+    /// side that would hide the section from the camera. PLACE is metres along it from the origin, for
     /// example 0.05 or 50mm; without it the plane goes through the middle of the bodies at the first picture. Fixed
     /// bodies stay whole.
     #[arg(long, value_name = "DIRECTION[=PLACE]", value_parser = parse_cut, allow_hyphen_values = true)]
@@ -127,6 +128,9 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
         ));
     }
     let scene = scene_source::load(&args.scene, &common.overrides, console)?;
+    if let Some(note) = args.at.and_then(|at_s| beyond_the_end(at_s, scene.description.duration_s)) {
+        console.note(format_args!("note: {note}"));
+    }
     if let Some(state) = args.panels {
         return draw_window((args, state), common, scene.description.duration_s, console);
     }
@@ -149,6 +153,19 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
         drawn_in_s: started.elapsed().as_secs_f64() - simulated_in_s,
     }
     .tell(simulated, drawn, console)
+}
+
+/// What is said before it takes its time, of a moment beyond the scene's end.
+fn beyond_the_end(at_s: f64, end_s: f64) -> Option<String> {
+    (at_s > end_s).then(|| {
+        format!(
+            "the scene ends at {}; it is simulated on to {}, {} times as far. For a moment of the scene itself give a \
+             smaller `--at`",
+            seconds(end_s),
+            seconds(at_s),
+            short(at_s / end_s)
+        )
+    })
 }
 
 /// Size of the window when nobody has chosen, pixels: there must be room for the panels.
@@ -199,8 +216,7 @@ struct Film {
 /// The frames up to the end, or to where the run failed or was interrupted.
 fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Film, Result<Arrival, Failure>) {
     let mut film = Film::default();
-    let mut looking = shot.looking();
-    looking.begin(&world.publish());
+    let mut looking = shot.looking(&world.publish());
     let mut progress = console.progress(shot.end_s());
     for moment_s in shot.moments_s() {
         let arrival = stepping::advance(world, moment_s, |_, step| {

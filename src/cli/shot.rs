@@ -130,9 +130,12 @@ impl Shot {
         self.moments.time_s(self.moments.count() - 1)
     }
 
-    /// How the frames are looked into, from the first one on.
-    pub fn looking(&self) -> Looking {
-        self.looking.clone()
+    /// How the frames are looked into, from the first one on; `start` is what is there at the beginning.
+    pub fn looking(&self, start: &Frame) -> Looking {
+        let mut looking = self.looking.clone();
+        let [width, height] = self.size_px;
+        looking.begin(start, &self.camera.resolve(&Framing::of(start), width as f32 / height as f32));
+        looking
     }
 
     /// Camera, floor and colours that serve all the frames.

@@ -17,8 +17,8 @@ pub struct ViewArgs {
     /// For tests, with `--quit-after-frames`: also squeeze and hide the window and take its graphics device away
     #[arg(long, hide = true, requires = "quit_after_frames")]
     pub rough: bool,
-    /// For developers: no window; draw this many frames of one of 1280x720 while the scene runs and say how long they took
-    #[arg(long, value_name = "N", hide = true, requires = "scene", conflicts_with = "quit_after_frames")]
+    /// No window: draw this many frames of one of 1280x720 while the scene runs and say how long they took
+    #[arg(long, value_name = "N", requires = "scene", conflicts_with = "quit_after_frames")]
     pub measure_frames: Option<u32>,
 }
 

@@ -1,6 +1,7 @@
 //! Bodies cut open by a plane: what lies beyond it is left out, and the cut is filled with the section of the
 //! tetrahedra, so that fields are seen inside. What comes out is a body that everything else draws as usual.
 
+use super::camera::Camera;
 use crate::frame::{BodyFrame, Interior, SurfaceTopology, VertexFields};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -27,6 +28,14 @@ impl Cut {
     #[must_use]
     pub fn beyond_m(&self, point_m: [f32; 3]) -> f32 {
         self.normal.dot(Vec3::from(point_m)) - self.position_m
+    }
+
+    /// Whether a camera looks into the section, and not at the back of what it has left; one seen edge-on counts.
+    #[must_use]
+    pub fn is_looked_into(normal: Vec3, camera: &Camera) -> bool {
+        /// Sine of the angle up to which a plane is edge-on.
+        const EDGE_ON: f32 = 1e-3;
+        normal.dot(camera.axes()[2]) > -EDGE_ON
     }
 
     /// The positions along `normal` between which the plane meets a box, metres.

@@ -39,7 +39,7 @@ pub use late::{Arrival, Newcomer, contact_change_text, pull_text};
 pub use library::{BUILTIN_SCENES, BuiltinScene};
 pub use overlap::{Overlap, overlap};
 pub use presets::{PRESETS, Preset};
-pub use problem::{Location, Problem, SceneError};
+pub use problem::{Location, Problem, SceneError, nearest};
 pub use shape::{MeshFile, Shape};
 pub use summary::{BodySummary, SceneSummary};
 

@@ -199,7 +199,7 @@ mod tests {
         title = "t"
         materials.m = { preset = "steel", fracture.any_of = [
             { criterion = "tensile", tensile_strength = 1 }, { criterion = "tresca", shear_strength = 1 },
-            { criterion = "mohr-coulomb", cohesion = 1 },
+            { criterion = "mohr-coulomb", cohesion = 1, friction_angle = 1 },
             { criterion = "formula", formula = "s1 - a", parameters = { a = 1 } } ] }
         ground = {}
         contact.pairs = [{ bodies = ["a", "ground"], friction = 1 }]

@@ -2,7 +2,7 @@
 
 use crate::io_reason::io_reason;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where in the input a problem sits.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ pub enum SceneError {
         hint: String,
     },
     /// A file of another kind.
-    #[error("`{}` is not a scene file: scene files end in .toml", path.display())]
+    #[error("`{}` is not a scene file: scene files end in .toml{}", path.display(), mesh_hint(path))]
     NotAScene {
         /// The file.
         path: PathBuf,
@@ -104,8 +104,22 @@ impl fmt::Display for ProblemList<'_> {
     }
 }
 
+/// How a mesh gets into a scene, for whoever takes one for a scene.
+fn mesh_hint(path: &Path) -> String {
+    const MESHES: [&str; 3] = ["msh", "vtk", "mesh"];
+    let ending = path.extension().unwrap_or_default();
+    if !MESHES.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+        return String::new();
+    }
+    format!(
+        ". A body of a scene takes a mesh by `mesh.file = {:?}`; `hammerfall check` says whether it is sound",
+        path.file_name().unwrap_or_default().to_string_lossy()
+    )
+}
+
 /// The candidate nearest to `wanted`, when it is near enough to be a slip of the hand.
-pub(super) fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+#[must_use]
+pub fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = wanted.to_lowercase();
     let length = wanted.chars().count();
     let allowed = if length <= 3 { length / 2 } else { (length / 3).max(2) };
@@ -145,5 +159,7 @@ mod tests {
         assert_eq!(nearest("young", names), Some("youngs_modulus"));
         assert_eq!(nearest("Colour", names), Some("color"));
         assert_eq!(nearest("zzz", names), None);
+        // Two letters that changed places are one slip.
+        assert_eq!(nearest("veiw", ["verify", "view", "render"]), Some("view"));
     }
 }

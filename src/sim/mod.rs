@@ -35,4 +35,4 @@ pub use pull::{PathPoint, Pull};
 pub use report::{PhaseTimes, Sample, Stage, StepReport};
 pub use round_off::RoundOff;
 pub use setup::*;
-pub use world::{ElementStress, NEVER_FAILED_S, SimError, World};
+pub use world::{ElementStress, NEVER_FAILED_S, SimError, World, raise_clear};

@@ -326,7 +326,8 @@ impl World {
             return Err(SimError::Setup(format!("there is a body `{}` already", setup.name)));
         }
         self.place_free_bodies();
-        raise_above(&mut setup.mesh.nodes_m, &self.bodies);
+        let boxes: Vec<_> = self.bodies.iter().filter_map(|b| bounds_m(&b.position_m)).collect();
+        raise_clear(&mut setup.mesh.nodes_m, &boxes);
         let mut body = Body::new(&setup, &self.setup.fracture)?;
         start(&mut body, &self.setup)?;
         // Who throws it does the work.
@@ -516,11 +517,11 @@ fn start(body: &mut Body, setup: &WorldSetup) -> Result<(), SimError> {
     body.update_acceleration(&context)
 }
 
-/// Moves nodes up until their bounding box is clear of those of all bodies, m.
-fn raise_above(nodes_m: &mut [DVec3], bodies: &[Body]) {
+/// Moves nodes up until the box around them is clear of all others, each from its lowest to its highest corner, m: a body
+/// that comes in starts there.
+pub fn raise_clear(nodes_m: &mut [DVec3], boxes: &[(DVec3, DVec3)]) {
     /// Free height above the body below, as a share of the newcomer's size.
     const GAP_SHARE: f64 = 0.05;
-    let boxes: Vec<_> = bodies.iter().filter_map(|b| bounds_m(&b.position_m)).collect();
     // Each round clears one box for good, since the way only leads up.
     for _ in 0..boxes.len() {
         let Some((low, high)) = bounds_m(nodes_m) else { return };

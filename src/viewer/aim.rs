@@ -4,7 +4,7 @@ use super::pick;
 use super::thrown::{Placing, TOOL, Throw, ThrowKind, typical_size_in};
 use crate::frame::Frame;
 use crate::render::Camera;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// Points of the drawn path.
 const PATH_POINTS: usize = 24;
@@ -28,6 +28,8 @@ pub struct Aim {
     pub spin_rad_s: f64,
     /// Start and present place of the drag, as shares of the picture.
     pub drag: Option<[Vec2; 2]>,
+    /// Counts the drags.
+    pub drags: u64,
     /// Whether the button still is down that drew a line before aiming ended: it turns no camera.
     pub is_spent: bool,
 }
@@ -41,6 +43,7 @@ impl Default for Aim {
             speed_m_s: 8.0,
             spin_rad_s: 0.0,
             drag: None,
+            drags: 0,
             is_spent: false,
         }
     }
@@ -51,6 +54,8 @@ impl Default for Aim {
 pub struct Path {
     /// From where the body starts to what it is aimed at, m.
     pub points_m: Vec<Vec3>,
+    /// Where the body was asked to start, m.
+    start_m: Vec3,
     velocity_m_s: Vec3,
 }
 
@@ -68,16 +73,32 @@ impl Aim {
         self.speed_m_s = (speed_m_s * 2.0).round().max(1.0) / 2.0;
     }
 
-    /// The path of the throw that the drag stands for; `None` when it is too short.
+    /// Where the drag asks the body to start, m: free in the air, as far away as what the camera looks at.
     #[must_use]
-    pub fn path(&self, frame: &Frame, camera: &Camera, aspect: f32) -> Option<Path> {
+    pub fn start_m(&self, camera: &Camera, aspect: f32) -> Option<Vec3> {
+        self.drag.map(|[from, _]| pick::in_focus(camera, &camera.ray_in_world(from, aspect)))
+    }
+
+    /// The throw whose body the drag would bring in, before it has a direction.
+    #[must_use]
+    pub fn foresight(&self, camera: &Camera, aspect: f32) -> Option<Throw> {
+        let position_m = self.start_m(camera, aspect)?.as_dvec3();
+        let placing = Placing::From { position_m, velocity_m_s: DVec3::ZERO, spin_rad_s: DVec3::ZERO };
+        Some(Throw { kind: self.kind.clone(), material: self.material.clone(), placing })
+    }
+
+    /// The path of the throw that the drag stands for, of a body that has to start so much higher, m; `None` when the drag is
+    /// too short.
+    #[must_use]
+    pub fn path(&self, frame: &Frame, camera: &Camera, aspect: f32, lift_m: f32) -> Option<Path> {
         let [from, to] = self.drag?;
         let way = (to - from) * Vec2::new(aspect, 1.0);
         if way.length() < SHORTEST_DRAG {
             return None;
         }
-        // The start lies free in the air, as far away as what the camera looks at; the aim on what is there.
-        let start_m = pick::in_focus(camera, &camera.ray_in_world(from, aspect));
+        let asked_m = self.start_m(camera, aspect)?;
+        // It still flies to what it is aimed at.
+        let start_m = asked_m + Vec3::Z * lift_m;
         let aim_m = pick::point_under(frame, camera, to, aspect);
         let direction = (aim_m - start_m).try_normalize()?;
         let velocity_m_s = direction * self.speed_m_s as f32;
@@ -87,7 +108,7 @@ impl Aim {
             let t = time_s * index as f32 / (PATH_POINTS - 1) as f32;
             start_m + velocity_m_s * t - Vec3::Z * (0.5 * gravity * t * t)
         };
-        Some(Path { points_m: (0..PATH_POINTS).map(at).collect(), velocity_m_s })
+        Some(Path { points_m: (0..PATH_POINTS).map(at).collect(), start_m: asked_m, velocity_m_s })
     }
 
     /// The throw along a path.
@@ -98,7 +119,7 @@ impl Aim {
             kind: self.kind.clone(),
             material: self.material.clone(),
             placing: Placing::From {
-                position_m: path.points_m[0].as_dvec3(),
+                position_m: path.start_m.as_dvec3(),
                 velocity_m_s: path.velocity_m_s.as_dvec3(),
                 spin_rad_s: -across.as_dvec3() * self.spin_rad_s,
             },
@@ -121,11 +142,16 @@ mod tests {
         let camera = Camera::default();
         let mut aim = Aim { speed_m_s: 5.0, spin_rad_s: 2.0, ..Aim::default() };
         let frame = Frame::default();
-        assert!(aim.path(&frame, &camera, 1.5).is_none());
+        assert!(aim.path(&frame, &camera, 1.5, 0.0).is_none());
         aim.drag = Some([Vec2::new(0.3, 0.5), Vec2::new(0.301, 0.5)]);
-        assert!(aim.path(&frame, &camera, 1.5).is_none(), "a click is no throw");
+        assert!(aim.path(&frame, &camera, 1.5, 0.0).is_none(), "a click is no throw");
         aim.drag = Some([Vec2::new(0.3, 0.5), Vec2::new(0.7, 0.5)]);
-        let path = aim.path(&frame, &camera, 1.5).unwrap();
+        // From higher up it flies down to the same place; the start that is asked for stays.
+        let low = aim.path(&frame, &camera, 1.5, 0.0).unwrap();
+        let high = aim.path(&frame, &camera, 1.5, 0.5).unwrap();
+        assert!((high.points_m[0] - low.points_m[0] - 0.5 * Vec3::Z).length() < 1e-6);
+        assert!(high.velocity_m_s.z < low.velocity_m_s.z && high.start_m == low.start_m);
+        let path = low;
         let Placing::From { velocity_m_s, spin_rad_s, position_m } = aim.throw(&path).placing else {
             panic!("it is aimed")
         };

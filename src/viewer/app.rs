@@ -3,11 +3,13 @@
 use super::aim::Aim;
 use super::closer::{Seeing, has_interior};
 use super::edits::Edits;
+use super::foresight::Ghost;
 use super::inspection::Inspection;
 use super::look::Look;
 use super::player::Player;
 use super::recording::Recording;
-use super::saving::{self, GIF_FPS, Job, MOST_PICTURES, Saver, Shot};
+use super::saver::Saver;
+use super::saving::{self, GIF_FPS, Job, MOST_PICTURES, Shot};
 use super::simulation::Simulation;
 use super::snapshot::{Command, Looked, Notice, Snapshot};
 use super::thumbnails::{Sketch, Sketcher};
@@ -275,6 +277,15 @@ impl App {
         self.player.moment(&self.snapshot.recording).map_or(&self.snapshot.frame, |moment| &moment.frame)
     }
 
+    /// What the throw under way would bring in, where it would start; `None` until that is known.
+    #[must_use]
+    pub fn ghost(&self) -> Option<Ghost<'_>> {
+        let start_m = self.aim.start_m(&self.look.camera, self.aspect())?;
+        let foreseen =
+            self.snapshot.foreseen.as_ref().filter(|foreseen| foreseen.number == self.aim.drags)?;
+        Some(foreseen.at(start_m, self.shown()))
+    }
+
     /// What is drawn: that with its fragments moved apart, cut open, with stress crosses, if so wished.
     #[must_use]
     pub fn drawn(&self) -> &Arc<Frame> {
@@ -511,9 +522,8 @@ impl App {
 
     fn save(&mut self, kind: SaveKind) {
         let Some(scene) = self.snapshot.scene.clone() else { return };
-        let frame = self.drawn().clone();
         let job = match kind {
-            SaveKind::Picture => Job::Picture(frame, Box::new(self.shot(false))),
+            SaveKind::Picture => Job::Picture(self.drawn().clone(), Box::new(self.shot(false))),
             SaveKind::Animation => {
                 let recording = &self.snapshot.recording;
                 let at = |time_s| recording.at(time_s).map(|moment| moment.frame.clone());
@@ -531,8 +541,9 @@ impl App {
                     }
                 }
             }
-            SaveKind::Obj => Job::Obj(frame),
-            SaveKind::Ply => Job::Ply(frame),
+            // Whole and where it is: cuts and explosions are only for the eye.
+            SaveKind::Obj => Job::Obj(self.shown().clone()),
+            SaveKind::Ply => Job::Ply(self.shown().clone()),
         };
         if let Err(reason) = self.saver.start(job, &self.save.folder, &scene.name) {
             self.trouble = Some(reason);
@@ -541,20 +552,21 @@ impl App {
 
     /// Tells how saving came out. A failure stays until it is closed.
     fn look_after_saving(&mut self, context: &egui::Context) {
-        match self.saver.finished() {
-            Some(Ok(text)) => {
-                if !self.save.is_in_sight {
-                    self.said = Some(in_a_sentence(&text));
+        while let Some(outcome) = self.saver.finished() {
+            match outcome {
+                Ok(text) => {
+                    if !self.save.is_in_sight {
+                        self.said = Some(in_a_sentence(&text));
+                    }
+                    self.save.outcome = Some(text);
                 }
-                self.save.outcome = Some(text);
+                Err(reason) => {
+                    self.save.outcome = None;
+                    self.trouble = Some(format!("Not saved: {reason}"));
+                }
             }
-            Some(Err(reason)) => {
-                self.save.outcome = None;
-                self.trouble = Some(format!("Not saved: {reason}"));
-            }
-            None => {}
         }
-        if self.saver.progress().is_some() {
+        if self.saver.is_busy() {
             context.request_repaint_after(SAVING_LOOK);
         }
     }
@@ -604,6 +616,10 @@ impl App {
             Action::Again => self.reset(true),
             Action::SetSpeed(speed) => self.simulation.send(Command::SetSpeed(speed)),
             Action::Throw(throw) => self.edit_scene(Command::Throw(throw)),
+            Action::Foresee(throw) => {
+                let time_s = self.player.moment(&self.snapshot.recording).map(|moment| moment.time_s);
+                self.simulation.send(Command::Foresee { number: self.aim.drags, throw, time_s });
+            }
             Action::Remove(body) => self.edit_scene(Command::Remove(body)),
             Action::Inspect(body, element) => self.inspect(body, element),
             Action::Grab { element, point_m, to_m } => {
@@ -639,7 +655,7 @@ impl App {
             }
             Action::ToggleCut => {
                 let shown = self.shown().clone();
-                self.look.closer.toggle_cut(&shown);
+                self.look.closer.toggle_cut(&shown, &self.look.camera);
             }
             Action::CutEdited(closer) => self.look.closer = closer,
             Action::ToggleCrosses => self.look.closer.with_crosses = !self.look.closer.with_crosses,

@@ -2,7 +2,7 @@
 
 use super::exploded::exploded;
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Cut, Range, cross_room_m, look_inside, parse_with_unit, with_unit};
+use crate::render::{Camera, Cut, Range, cross_room_m, look_inside, parse_with_unit, with_unit};
 use crate::scene::description::Recording;
 use glam::Vec3;
 
@@ -44,6 +44,8 @@ pub struct Closer {
     pub position_m: f32,
     /// Whether the other side is left out.
     pub is_flipped: bool,
+    /// Which side was left out by whoever chose one, for each way the plane stands.
+    own_sides: [Option<bool>; 4],
     /// Whether principal stresses are drawn.
     pub with_crosses: bool,
     /// What bodies have reached so far: the way of the slider.
@@ -69,8 +71,9 @@ impl Closer {
             (axis.map_or(CutDirection::Free, |(direction, _)| direction), is_flipped);
         self.azimuth_deg = across.y.atan2(across.x).to_degrees();
         self.elevation_deg = across.z.clamp(-1.0, 1.0).asin().to_degrees();
-        self.is_cut = false;
-        self.toggle_cut(now);
+        self.keep_side();
+        self.is_cut = true;
+        self.go_through_middle(now);
         if let Some(at_m) = plane.at_m {
             self.position_m = if is_flipped { -at_m as f32 } else { at_m as f32 };
         }
@@ -116,12 +119,28 @@ impl Closer {
         self.position_m = Cut::middle_m(self.normal(), self.extent_m.unwrap_or_default());
     }
 
-    /// Cuts the bodies open through their middle, or closes them again.
-    pub fn toggle_cut(&mut self, now: &Frame) {
+    /// Cuts the bodies open through their middle so that the camera looks into them, or closes them again.
+    pub fn toggle_cut(&mut self, now: &Frame, camera: &Camera) {
         self.is_cut = !self.is_cut;
         if self.is_cut {
-            self.position_m = Cut::middle_m(self.normal(), now.near_bounds_m().unwrap_or_default());
+            self.go_through_middle(now);
+            self.face(camera);
         }
+    }
+
+    fn go_through_middle(&mut self, now: &Frame) {
+        self.position_m = Cut::middle_m(self.normal(), now.near_bounds_m().unwrap_or_default());
+    }
+
+    /// Leaves out the side that hides the section from the camera, unless somebody has chosen one.
+    pub fn face(&mut self, camera: &Camera) {
+        let own = self.own_sides[self.direction as usize];
+        self.is_flipped = own.unwrap_or_else(|| !Cut::is_looked_into(self.normal(), camera));
+    }
+
+    /// The side that is left out was chosen, and stays.
+    pub fn keep_side(&mut self) {
+        self.own_sides[self.direction as usize] = Some(self.is_flipped);
     }
 
     /// The plane, where there is one.
@@ -263,7 +282,8 @@ mod tests {
         let mut closer = Closer::default();
         closer.open(&frame);
         assert!(closer.cut().is_none());
-        closer.toggle_cut(&frame);
+        let behind = Camera { yaw_rad: std::f32::consts::PI, ..Camera::default() };
+        closer.toggle_cut(&frame, &behind);
         assert_eq!(closer.cut(), Cut::new(Vec3::Y, 1.0));
         closer.is_flipped = true;
         let flipped = closer.cut().unwrap();
@@ -272,6 +292,39 @@ mod tests {
         assert!((closer.normal() - Vec3::Z).length() < 1e-6);
         closer.center();
         assert!((closer.position_m - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_camera_looks_into_the_section_unless_a_side_was_chosen() {
+        let frame = Frame::default();
+        let looked_into =
+            |closer: &Closer, camera: &Camera| closer.cut().unwrap().normal.dot(camera.axes()[2]) > 0.0;
+        for yaw_deg in [30.0_f32, 120.0, 210.0, 300.0] {
+            let camera = Camera { yaw_rad: yaw_deg.to_radians(), pitch_rad: 0.3, ..Camera::default() };
+            let mut closer = Closer::default();
+            closer.toggle_cut(&frame, &camera);
+            assert!(looked_into(&closer, &camera), "{yaw_deg}");
+            closer.direction = CutDirection::X;
+            closer.face(&camera);
+            assert!(looked_into(&closer, &camera), "{yaw_deg}");
+            // Chosen by hand, it stays: closed and opened again, and beside another direction.
+            closer.is_flipped = !closer.is_flipped;
+            closer.keep_side();
+            closer.toggle_cut(&frame, &camera);
+            closer.toggle_cut(&frame, &camera);
+            assert!(!looked_into(&closer, &camera), "{yaw_deg}");
+            closer.direction = CutDirection::Z;
+            closer.face(&camera);
+            assert!(looked_into(&closer, &camera), "from above");
+            closer.direction = CutDirection::X;
+            closer.face(&camera);
+            assert!(!looked_into(&closer, &camera), "{yaw_deg}");
+        }
+        // Edge-on, either side would do: the one beyond goes, as ever.
+        let front = Camera { yaw_rad: 0.0, ..Camera::default() };
+        let mut closer = Closer { direction: CutDirection::X, ..Closer::default() };
+        closer.toggle_cut(&frame, &front);
+        assert!(!closer.is_flipped);
     }
 
     #[test]
@@ -287,6 +340,10 @@ mod tests {
             let cut = closer.cut().unwrap();
             let wanted = across.normalize().as_vec3();
             assert!((cut.normal - wanted).length() < 1e-5 && cut.position_m == 0.25, "{cut:?}");
+            // Its side is chosen.
+            let away = Camera { yaw_rad: across.x.atan2(-across.y) as f32 + 3.0, ..Camera::default() };
+            closer.face(&away);
+            assert_eq!(closer.cut(), Some(cut));
         }
         let middle = Recording { cut: Some(CutPlane { across: DVec3::Y, at_m: None }), ..recording() };
         let mut closer = Closer::default();

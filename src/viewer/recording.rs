@@ -56,6 +56,8 @@ pub struct Recording {
     frame_bytes: usize,
     /// Memory of the moments to play on from, bytes.
     pub world_bytes: usize,
+    /// Memory of runs before this one, to which undo goes back, bytes.
+    pub reserved_bytes: usize,
     limit_bytes: usize,
     /// Of so many moments offered one is kept, as a power of two.
     thinning: u32,
@@ -69,6 +71,7 @@ impl Default for Recording {
             marks: Vec::new(),
             frame_bytes: 0,
             world_bytes: 0,
+            reserved_bytes: 0,
             limit_bytes: DEFAULT_LIMIT_BYTES,
             thinning: 0,
             offered: 0,
@@ -98,7 +101,18 @@ impl Recording {
     /// Memory in use, bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
+        self.own_bytes() + self.reserved_bytes
+    }
+
+    /// The same without what runs before this one have, bytes.
+    #[must_use]
+    pub fn own_bytes(&self) -> usize {
         self.frame_bytes + self.world_bytes
+    }
+
+    /// What runs before this one leave of the limit, bytes.
+    fn own_limit_bytes(&self) -> usize {
+        self.limit_bytes.saturating_sub(self.reserved_bytes).max(LEAST_LIMIT_BYTES)
     }
 
     /// Memory that may be used, bytes.
@@ -116,7 +130,7 @@ impl Recording {
     /// Memory that moments to play on from may use, bytes.
     #[must_use]
     pub fn world_limit_bytes(&self) -> usize {
-        (self.limit_bytes as f64 * (1.0 - FRAME_SHARE)) as usize
+        (self.own_limit_bytes() as f64 * (1.0 - FRAME_SHARE)) as usize
     }
 
     /// The last moment not after `time_s`, or the first one.
@@ -170,7 +184,7 @@ impl Recording {
     }
 
     fn keep_within_limit(&mut self) {
-        let limit = (self.limit_bytes as f64 * FRAME_SHARE) as usize;
+        let limit = (self.own_limit_bytes() as f64 * FRAME_SHARE) as usize;
         while self.frame_bytes > limit && self.moments.len() > 2 {
             let mut is_kept = false;
             self.moments.retain(|_| {

@@ -1,6 +1,6 @@
-//! Taking it home: pictures, animations, the scene, the fragments. All of it is done by a thread of its own, so that a slow disk never stops the window.
+//! Taking it home: pictures, animations, the scene, the fragments. All of it is done by threads of their own, so that a slow
+//! disk never stops the window.
 
-use super::background;
 use super::closer::Seeing;
 use super::look::Look;
 use super::pacing::FRAME_S;
@@ -14,7 +14,6 @@ use crate::scene::description::Recording;
 use crate::scene::{Scene, SceneDescription, Shape};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pictures from all over an animation from which its colours are learnt.
@@ -52,7 +51,8 @@ pub enum Job {
 }
 
 impl Job {
-    fn ending(&self) -> &'static str {
+    /// Of its file.
+    pub(super) fn ending(&self) -> &'static str {
         match self {
             Self::Picture(..) => "png",
             Self::Animation(..) => "gif",
@@ -62,7 +62,8 @@ impl Job {
         }
     }
 
-    fn steps(&self) -> usize {
+    /// So many things are drawn or written for it.
+    pub(super) fn steps(&self) -> usize {
         match self {
             Self::Animation(frames, _) => frames.len(),
             _ => 1,
@@ -73,25 +74,9 @@ impl Job {
 /// How a job came out.
 pub type Outcome = Result<String, String>;
 
-/// A job under way.
-struct Running {
-    done: Arc<AtomicUsize>,
-    steps: usize,
-    wants_end: Arc<AtomicBool>,
-    outcome: Receiver<Outcome>,
-    what: PathBuf,
-}
-
-/// Saves one thing after another.
-#[derive(Default)]
-pub struct Saver {
-    running: Option<Running>,
-    studio: Studio,
-}
-
 /// The device for saving, opened with the first picture.
 #[derive(Clone, Default)]
-struct Studio(Arc<Mutex<Option<Gpu>>>);
+pub(super) struct Studio(Arc<Mutex<Option<Gpu>>>);
 
 impl Studio {
     fn open(&self) -> Result<OffScreen, String> {
@@ -112,77 +97,18 @@ impl Studio {
     }
 }
 
-impl Saver {
-    /// Starts a job that writes `folder/stem.ending`, with a number if there is such a file already.
-    ///
-    /// # Errors
-    /// When the system refuses the thread, or another job is under way.
-    pub fn start(&mut self, job: Job, folder: &str, stem: &str) -> Result<(), String> {
-        if self.running.is_some() {
-            return Err("something is being saved already".to_owned());
-        }
-        let path = free_path(Path::new(folder.trim()), stem, job.ending());
-        let (sender, outcome) = channel();
-        let done = Arc::new(AtomicUsize::new(0));
-        let wants_end = Arc::new(AtomicBool::new(false));
-        let steps = job.steps();
-        let progress =
-            Progress { done: done.clone(), wants_end: wants_end.clone(), studio: self.studio.clone() };
-        let target = path.clone();
-        // All of it can wait for the window: drawing, which goes to many threads, and writing.
-        let workers =
-            background::workers("saving").map_err(|error| format!("nothing can be saved: {error}"))?;
-        let work = move || {
-            background::stand_back();
-            let outcome = workers.install(|| save(&job, &target, &progress));
-            // The window may be gone already.
-            let _ = sender.send(outcome);
-        };
-        std::thread::Builder::new()
-            .name("saving".to_owned())
-            .spawn(work)
-            .map_err(|error| format!("nothing can be saved: {error}"))?;
-        self.running = Some(Running { done, steps, wants_end, outcome, what: path });
-        Ok(())
-    }
-
-    /// The path being written and the share that is done.
-    #[must_use]
-    pub fn progress(&self) -> Option<(&Path, f32)> {
-        let running = self.running.as_ref()?;
-        let done = running.done.load(Ordering::Relaxed);
-        Some((&running.what, done as f32 / running.steps.max(1) as f32))
-    }
-
-    /// Ends the job under way; what an animation has so far is kept.
-    pub fn cancel(&self) {
-        if let Some(running) = &self.running {
-            running.wants_end.store(true, Ordering::Relaxed);
-        }
-    }
-
-    /// How the job came out, once.
-    pub fn finished(&mut self) -> Option<Outcome> {
-        let outcome = match self.running.as_ref()?.outcome.try_recv() {
-            Ok(outcome) => outcome,
-            Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => {
-                Err("saving stopped by a mistake in hammerfall; please report it".to_owned())
-            }
-        };
-        self.running = None;
-        Some(outcome)
-    }
-}
-
-struct Progress {
-    done: Arc<AtomicUsize>,
-    wants_end: Arc<AtomicBool>,
-    studio: Studio,
+/// What a job tells on its way, is told, and draws with.
+pub(super) struct Progress {
+    /// Steps that are done.
+    pub done: Arc<AtomicUsize>,
+    /// Whether it should end.
+    pub wants_end: Arc<AtomicBool>,
+    /// Draws its pictures.
+    pub studio: Studio,
 }
 
 /// The first name that is not taken: nothing is ever written over.
-fn free_path(folder: &Path, stem: &str, ending: &str) -> PathBuf {
+pub(super) fn free_path(folder: &Path, stem: &str, ending: &str) -> PathBuf {
     let folder = match folder.to_str().and_then(|text| text.strip_prefix("~/")) {
         Some(rest) => std::env::home_dir().map_or_else(|| folder.to_owned(), |home| home.join(rest)),
         None => folder.to_owned(),
@@ -192,7 +118,8 @@ fn free_path(folder: &Path, stem: &str, ending: &str) -> PathBuf {
     names.find(|name| !folder.join(name).exists()).map_or_else(|| folder.join(stem), |name| folder.join(name))
 }
 
-fn save(job: &Job, path: &Path, progress: &Progress) -> Outcome {
+/// Does a job.
+pub(super) fn save(job: &Job, path: &Path, progress: &Progress) -> Outcome {
     let words = |error: ExportError| error.to_string();
     let shown = path.display();
     match job {
@@ -368,7 +295,7 @@ mod tests {
             let mut look = Look::default();
             look.color_by = crate::frame::ColorBy::VonMises;
             look.camera.distance_m = 7.5;
-            look.closer.toggle_cut(&Frame::default());
+            look.closer.toggle_cut(&Frame::default(), &look.camera);
             (look.closer.position_m, look.closer.is_flipped, look.closer.with_crosses) = (0.125, true, true);
             let typed = &mut look.typed_range;
             (typed.is_on, typed.low, typed.high) = (true, "-2 kPa".into(), "3 MPa".into());
@@ -402,7 +329,7 @@ mod tests {
             assert_eq!(again.seeing(), look.seeing());
             assert_eq!(again.view(1.0).range, look.view(1.0).range);
             // And once more from there, with nothing of it.
-            look.closer.toggle_cut(&Frame::default());
+            look.closer.toggle_cut(&Frame::default(), &look.camera);
             (look.closer.with_crosses, look.typed_range.is_on) = (false, false);
             let text = scene_text(&saved, ("", 1.0), &look, 0.01).unwrap();
             again.open(&snapshot(Scene::from_text("saved", &text, scene.folder(), &[]).unwrap()));
@@ -439,7 +366,7 @@ mod tests {
     fn saving_never_writes_over_a_file_and_tells_what_the_disk_says() {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path().to_str().unwrap();
-        let mut saver = Saver::default();
+        let mut saver = super::super::saver::Saver::default();
         let mut save = |folder: &str| {
             saver.start(Job::Scene("title = \"x\"".to_owned()), folder, "mine").unwrap();
             loop {

@@ -2,21 +2,25 @@
 
 mod edit_tree;
 mod hand;
+mod left;
 mod looking;
+mod planned;
 mod redo;
 mod scene_edits;
 mod timeline;
 
+use super::foresight::Foreseen;
 use super::history::{History, Row};
 use super::inspection::Inspection;
 use super::pacing::{FRAME_S, Pace, SpeedMeter};
-use super::recording::Recording;
+use super::recording::{Mark, Recording};
 use super::snapshot::{Command, Notice, Snapshot};
 use crate::frame::Frame;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneError};
 use crate::sim::{ContactChange, ContactParameters, SimError, StepReport, World};
 use edit_tree::{Done, EditTree};
 use hand::Hand;
+use left::LeftRuns;
 use redo::Redoing;
 use std::sync::Arc;
 use timeline::Keyframe;
@@ -64,8 +68,14 @@ pub struct Session {
     /// What was changed in the running scene.
     edits: EditTree,
     redoing: Option<Redoing>,
+    /// The runs before the last resets.
+    left: LeftRuns,
+    /// What the scene as it was built has in store.
+    planned: Arc<[Mark]>,
     /// The mouse, while it pulls at a body.
     hand: Option<Hand>,
+    /// What the throw under way would bring in.
+    foreseen: Option<Arc<Foreseen>>,
     /// What earlier edits added to the scene's text that a reset kept.
     kept_text: String,
     /// Body and element looked at closely.
@@ -109,7 +119,10 @@ impl Default for Session {
             moments_since_keyframe: 0,
             edits: EditTree::default(),
             redoing: None,
+            left: LeftRuns::default(),
+            planned: Arc::default(),
             hand: None,
+            foreseen: None,
             kept_text: String::new(),
             inspected: None,
             with_interior: false,
@@ -143,6 +156,7 @@ impl Session {
             Command::SetSpeed(speed) => self.set_speed(speed),
             Command::SetContact(contact) => self.set_contact(contact),
             Command::Throw(throw) => self.throw(&throw),
+            Command::Foresee { number, throw, time_s } => self.foresee(number, &throw, time_s),
             Command::Remove(body) => self.remove(body),
             Command::Grab { element, point_m, to_m } => self.grab(element, point_m, to_m),
             Command::Drag(to_m) => self.drag(to_m),
@@ -251,9 +265,11 @@ impl Session {
                 .and_then(|(run, (body, element))| Inspection::of(&run.world, body, element)),
             with_interior: self.with_interior,
             looked,
-            undo: self.edits.last_step().map(|(_, step)| step.what.clone()),
-            redo: self.edits.next().map(|edit| edit.what.clone()),
-            redo_other: self.edits.other().map(|edit| edit.what.clone()),
+            planned: self.planned.clone(),
+            foreseen: self.foreseen.clone(),
+            undo: self.undo_words(),
+            redo: self.redo_words(),
+            redo_other: self.redo_other_words(),
             redoing: self.redoing_words(),
             late_text: self.edits.text(self.time_s(), false).into(),
             can_repeat: self.edits.len() > 0 || !self.kept_text.is_empty(),
@@ -295,7 +311,9 @@ impl Session {
     fn open(&mut self, name: &str, overrides: &[String], play: bool) {
         let scene = match Scene::load(name, overrides) {
             Ok(scene) => Arc::new(scene),
-            Err(error) => return self.tell(format!("{name}: {error}")),
+            Err(error @ SceneError::Invalid { .. }) => return self.tell(format!("{name}: {error}")),
+            // All others name it.
+            Err(error) => return self.tell(error.to_string()),
         };
         let world = match World::new(scene.setup.clone()) {
             Ok(world) => world,
@@ -308,6 +326,7 @@ impl Session {
         self.notice = None;
         self.thrown = 0;
         self.kept_text.clear();
+        self.left = LeftRuns::default();
         self.start(scene.clone(), scene.clone(), world, None);
         self.set_playing(play);
         if !scene.warnings.is_empty() {
@@ -337,13 +356,17 @@ impl Session {
         });
         match built {
             Ok((scene, world)) => {
+                // Changes of contact that are kept come again by themselves.
+                let contact = self.contact.clone().filter(|_| !keep);
+                let told = self.reset_text(keep);
+                self.leave_run(if keep { "starting again" } else { "going back to the start" }, keep);
                 if !keep {
                     self.thrown = 0;
                 }
                 self.kept_text = kept;
-                // Changes of contact that are kept come again by themselves.
-                let contact = self.contact.clone().filter(|_| !keep);
                 self.start(base, scene, world, contact);
+                self.share_memory();
+                told.into_iter().for_each(|told| self.mention(told));
             }
             Err(reason) => self.tell(format!("the scene could not be reset: {reason}")),
         }
@@ -359,11 +382,13 @@ impl Session {
     ) {
         self.built += 1;
         self.run_error = None;
+        self.foreseen = None;
         self.history = Arc::default();
         (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
         self.standing_steps = 0;
         self.forget_recording();
         self.run_up_end_s = scene.description.recording.start_s;
+        self.planned = planned::marks(&scene.description, !self.kept_text.is_empty());
         self.restart_clock();
         let body_names = names_of(&world);
         self.run = Some(Run { base, scene, world, body_names });

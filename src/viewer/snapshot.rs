@@ -1,8 +1,9 @@
 //! What goes to and from the simulation: commands in, snapshots out.
 
+use super::foresight::Foreseen;
 use super::history::History;
 use super::inspection::Inspection;
-use super::recording::Recording;
+use super::recording::{Mark, Recording};
 use super::thrown::Throw;
 use crate::frame::Frame;
 use crate::scene::Scene;
@@ -45,6 +46,15 @@ pub enum Command {
     SetContact(ContactParameters),
     /// Throws a body into the scene.
     Throw(Throw),
+    /// Builds what a throw would bring in, without throwing it.
+    Foresee {
+        /// Comes back with it.
+        number: u64,
+        /// What would be thrown.
+        throw: Throw,
+        /// The recorded moment into which, s; `None`: the present.
+        time_s: Option<f64>,
+    },
     /// Takes a body out, by its number in the frame.
     Remove(usize),
     /// Grabs a body and pulls it after the mouse.
@@ -93,6 +103,7 @@ impl Command {
                 | Self::Play
                 | Self::SetSpeed(_)
                 | Self::Drag(_)
+                | Self::Foresee { .. }
                 | Self::LetGo
                 | Self::Inspect(_)
                 | Self::SetMemoryLimit(_)
@@ -153,6 +164,10 @@ pub struct Snapshot {
     pub with_interior: bool,
     /// The recorded moment that is looked into.
     pub looked: Option<Looked>,
+    /// What the scene has in store by itself: who comes in, goes out, is pulled, and when.
+    pub planned: Arc<[Mark]>,
+    /// What the throw under way would bring in.
+    pub foreseen: Option<Arc<Foreseen>>,
     /// What undo would take back.
     pub undo: Option<String>,
     /// What redo would do again.

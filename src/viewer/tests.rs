@@ -3,7 +3,10 @@
 mod frame_loop;
 mod layout;
 mod panels;
+mod picking;
 mod random_input;
+mod taking_home;
+mod throwing;
 
 use super::app::App;
 use super::simulation::Simulation;
@@ -153,7 +156,7 @@ fn choose_change_throw_break_scrub_save_and_reload() {
     // Save it all.
     for (button, ending) in [("Scene", "toml"), ("OBJ", "obj"), ("Picture", "png"), ("GIF", "gif")] {
         press(&mut window, button);
-        wait(&mut window, button, |app| app.saver.progress().is_none());
+        wait(&mut window, button, |app| !app.saver.is_busy());
         let text = window.state().save.outcome.clone();
         assert!(
             text.as_ref().is_some_and(|text| text.contains("saved")),
@@ -251,7 +254,7 @@ fn a_body_is_pulled_with_the_mouse_saved_repeated_taken_back_and_done_again() {
     assert!(app.snapshot.frame.pulls.is_empty(), "it was let go");
 
     press(&mut window, "Scene");
-    wait(&mut window, "the scene", |app| app.saver.progress().is_none());
+    wait(&mut window, "the scene", |app| !app.saver.is_busy());
     let path = folder.path().join("bounce.toml");
     let saved = Scene::load(path.to_str().unwrap(), &[]).unwrap();
     assert_eq!(saved.description.pulls.len(), 1);
@@ -335,6 +338,7 @@ fn bodies_are_cut_open_and_stress_crosses_shown() {
     wait(&mut window, "the inside", |app| app.snapshot.with_interior);
     settle(&mut window);
     let cut = window.state().look.closer.cut().unwrap();
+    assert!(cut.normal.dot(window.state().look.camera.axes()[2]) > 0.0, "the section faces away");
     let moving = |app: &App| app.drawn().bodies.iter().rposition(|body| body.role == BodyRole::Deformable);
     let ball = moving(window.state()).unwrap();
     let body = window.state().drawn().bodies[ball].clone();
@@ -465,7 +469,7 @@ fn escape_ends_throwing_and_what_was_said_goes_away() {
     let save = |window: &mut Window| {
         window.key_press_modifiers(Modifiers::COMMAND, egui::Key::S);
         window.step();
-        wait(window, "the scene", |app| app.saver.progress().is_none());
+        wait(window, "the scene", |app| !app.saver.is_busy());
         window.step();
     };
     save(&mut window);

@@ -16,6 +16,28 @@ fn a_moment_is_rendered_to_a_png() {
 }
 
 #[test]
+fn a_moment_beyond_the_end_is_told_before_the_way_there() {
+    let place = Place::new();
+    let said = |line: &str| stderr(&place.run(line));
+    let beyond = said("render cubes.toml -o one.png --at 0.15");
+    assert!(beyond.starts_with("note: the scene ends at 0.12 s; it is simulated on to 0.15 s"), "{beyond}");
+    assert!(said("render cubes.toml -o one.png --at 0.15 --panels").starts_with("note: the scene ends"));
+    assert!(!said("render cubes.toml -o one.png --at 0.12").contains("note"));
+    assert!(!said("render cubes.toml -o one.png --at 0.15 --quiet").contains("note"));
+}
+
+#[test]
+fn without_a_side_the_camera_looks_into_a_cut() {
+    let place = Place::new();
+    let picture = |cut: &str| {
+        place.succeed(&format!("render cubes.toml -o cut{cut}.png --at 10ms --camera front --cut {cut}"));
+        fs::read(place.path().join(format!("cut{cut}.png"))).unwrap()
+    };
+    assert_eq!(picture("y"), picture("-y"));
+    assert_ne!(picture("y"), picture("+y"));
+}
+
+#[test]
 fn a_missing_folder_of_a_single_file_is_told_before_anything_runs() {
     let place = Place::new();
     for line in [

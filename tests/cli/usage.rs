@@ -43,6 +43,7 @@ fn help_names_every_command_option_and_status() {
     ] {
         assert!(render.contains(option), "{option} is not in\n{render}");
     }
+    assert!(place.succeed("view --help").contains("--measure-frames"));
     let run = place.succeed("run --help");
     for option in ["--output", "--vtu", "--every", "--duration", "--force"] {
         assert!(run.contains(option), "{option} is not in\n{run}");
@@ -55,6 +56,8 @@ fn bad_usage_is_status_2_and_says_what_is_expected() {
     let place = Place::new();
     let cases = [
         ("fly", "unrecognized subcommand"),
+        ("veiw cubes.toml", "'view'"),
+        ("rednre cubes.toml -o a.gif", "'render'"),
         ("run cubes.toml", "--output"),
         ("run cubes.toml -o d --duration soon", "10ms"),
         ("run cubes.toml -o d --duration 0", "longer than zero"),
@@ -86,6 +89,7 @@ fn bad_input_is_status_2_and_says_what_is_wrong() {
     let write = |name: &str, text: &str| fs::write(place.path().join(name), text).unwrap();
     write("broken.toml", "title = \n");
     write("typo.toml", &SCENE.replace("velocity", "velocty"));
+    write("body.msh", MESH);
     write("notes.md", "# Notes\n");
     write("overlap.toml", &SCENE.replace("0.01, 0.3", "0.01, 0.2"));
     let cases = [
@@ -99,6 +103,7 @@ fn bad_input_is_status_2_and_says_what_is_wrong() {
         ("check typo.toml", "velocity"),
         ("check notes.md", "not a scene file (scene files end in .toml)"),
         ("run notes.md -o d", "scene files end in .toml"),
+        ("run body.msh -o d", "takes a mesh by `mesh.file = \"body.msh\"`"),
         ("render hamer-table -o a.gif", "hammer-table"),
     ];
     for (line, reason) in cases {

@@ -244,6 +244,11 @@ fn wrong_fracture_is_refused_with_the_place() {
         ),
         ("{criterion=\"tensile\"}", "`tensile_strength` is missing"),
         (
+            "{criterion=\"mohr-coulomb\",cohesion=1}",
+            "`friction_angle` is missing in `materials.rubber.fracture`: a number (degrees)",
+        ),
+        ("{criterion=\"drucker-prager\",cohesion=1}", "`friction_angle` is missing"),
+        (
             "{criterion=\"tensile\",tensile_strength=0}",
             "`materials.rubber.fracture.tensile_strength` (Pa) must be above 0",
         ),

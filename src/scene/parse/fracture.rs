@@ -104,7 +104,7 @@ fn read_strength(table: &mut Table, key: &'static str) -> f64 {
 /// Radians.
 fn read_friction_angle(table: &mut Table) -> f64 {
     let angle = Quantity::not_negative("degrees").less_than(90.0);
-    table.number("friction_angle", angle).unwrap_or(0.0).to_radians()
+    table.required_number("friction_angle", angle).to_radians()
 }
 
 fn read_formula(table: &mut Table) -> Option<Formula> {

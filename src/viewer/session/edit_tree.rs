@@ -123,6 +123,11 @@ impl EditTree {
         self.given = self.path.len();
     }
 
+    /// Whether anything was done that can be taken back or done again.
+    pub fn has_own(&self) -> bool {
+        self.nodes.len() > self.given
+    }
+
     /// Adds what was just done.
     pub fn push(&mut self, edit: Edit) {
         let mut then = Vec::new();

@@ -4,6 +4,7 @@
 //! is recorded on the way: a slice at a time, so that commands are heard meanwhile.
 
 use super::super::pacing::FRAME_S;
+use super::timeline::named;
 use super::{Session, is_reached};
 use crate::render::with_unit;
 
@@ -33,12 +34,56 @@ impl Session {
         self.redoing.as_ref().and_then(|_| self.edits.next()).map(|edit| edit.what.clone())
     }
 
+    /// What undo would take back: the last edit, or the reset before them all.
+    pub(super) fn undo_words(&self) -> Option<String> {
+        let edit = self.edits.last_step().map(|(_, step)| step.what.as_str());
+        edit.or(self.undo_reset_words()).map(str::to_owned)
+    }
+
+    /// What redo would do again: where a reset was taken back, that.
+    pub(super) fn redo_words(&self) -> Option<String> {
+        let edit = self.edits.next().map(|edit| edit.what.as_str());
+        self.redo_reset_words().or(edit).map(str::to_owned)
+    }
+
+    /// What had been done here before that.
+    pub(super) fn redo_other_words(&self) -> Option<String> {
+        let other = if self.redo_reset_words().is_some() { self.edits.next() } else { self.edits.other() };
+        other.map(|edit| edit.what.clone())
+    }
+
+    /// What a reset comes to, where something was done before it.
+    pub(super) fn reset_text(&self, keep: bool) -> Option<String> {
+        let done = named(&self.edits.steps_after(0));
+        let back = "Ctrl Z goes back to where the scene was";
+        match (keep, done.as_str()) {
+            (true, "") if self.kept_text.is_empty() => None,
+            (true, "") => Some(
+                "From the start again: what was done before comes again, each at its mark on the timeline."
+                    .to_owned(),
+            ),
+            (true, done) => Some(format!(
+                "From the start again: what was done before comes again, each at its mark on the timeline ({done}). {back}."
+            )),
+            (false, "") if self.kept_text.is_empty() => None,
+            (false, "") => {
+                Some(format!("From the start, without what was done before. {back}, with all of it."))
+            }
+            (false, done) => {
+                Some(format!("From the start, without what was done: {done}. {back}, with all of it."))
+            }
+        }
+    }
+
     /// Takes back what was done last.
     pub(super) fn undo_last(&mut self) {
         self.let_go();
-        let Some((edits, step)) = self.edits.last_step() else { return };
-        let (time_s, what) = (step.time_s, step.what.clone());
         let was_playing = self.is_playing;
+        let Some((edits, step)) = self.edits.last_step() else {
+            self.undo_reset();
+            return self.set_playing(was_playing);
+        };
+        let (time_s, what) = (step.time_s, step.what.clone());
         if self.go_back(time_s, edits) {
             let other = self.edits.other().map(|other| {
                 format!(" Ctrl Shift Y goes over to what was done here before: {}.", other.what)
@@ -52,6 +97,15 @@ impl Session {
     /// Makes again, at its own time, what was left last.
     pub(super) fn redo_next(&mut self) {
         self.let_go();
+        if self.redoing.is_none() && self.redo_reset_words().is_some() {
+            let was_playing = self.is_playing;
+            self.redo_reset();
+            return self.set_playing(was_playing);
+        }
+        self.redo_next_edit();
+    }
+
+    fn redo_next_edit(&mut self) {
         if let Some(redoing) = &mut self.redoing {
             redoing.count += 1;
             return;
@@ -78,9 +132,12 @@ impl Session {
 
     /// Makes again what had been done at this place before that.
     pub(super) fn redo_other(&mut self) {
-        if self.edits.other().is_some() {
+        self.let_go();
+        if self.redo_reset_words().is_some() {
+            self.redo_next_edit();
+        } else if self.edits.other().is_some() {
             self.edits.turn_to_other();
-            self.redo_next();
+            self.redo_next_edit();
         }
     }
 

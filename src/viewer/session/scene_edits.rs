@@ -1,10 +1,13 @@
 //! Throwing bodies into the running scene and taking them out.
 
+use super::super::foresight::Foreseen;
 use super::super::recording::{Mark, MarkKind};
-use super::super::thrown::{Throw, scene_with_throw};
+use super::super::thrown::{Placing, Throw, scene_with_throw};
 use super::edit_tree::{Done, Edit};
 use super::{Run, Session, names_of};
+use crate::render::with_unit;
 use crate::sim::SimError;
+use glam::DVec3;
 use std::sync::Arc;
 
 impl Session {
@@ -15,14 +18,48 @@ impl Session {
         let what = format!("{} thrown in", throw.kind.label());
         match made {
             Ok((scene, entrance, text)) => {
+                let asked_m = lowest_m(&entrance.body.mesh.nodes_m);
                 if self.edit(Done::Enter(Arc::new(scene), Arc::new(entrance), text), what) {
                     self.thrown += 1;
+                    self.mention_lift(throw, asked_m);
                 }
             }
             Err(reason) => return self.tell(format!("nothing was thrown: {reason}")),
         }
-        if weightless && throw.placing == super::super::thrown::Placing::Above {
+        if weightless && throw.placing == Placing::Above {
             self.tell("There is no gravity in this scene: what is dropped stays where it is.".to_owned());
+        }
+    }
+
+    /// Says so where a body could not start at the place that was chosen for it.
+    fn mention_lift(&mut self, throw: &Throw, asked_m: f64) {
+        let Some(world) = self.run.as_ref().map(|run| &run.world) else { return };
+        let lift_m = lowest_m(world.positions_m(world.body_count() - 1)) - asked_m;
+        // From above it starts where there is room anyway.
+        if lift_m > 0.0 && throw.placing != Placing::Above {
+            self.mention(format!(
+                "{} thrown in. It starts {} higher, clear of what is there.",
+                throw.kind.label(),
+                with_unit(lift_m, "m")
+            ));
+        }
+    }
+
+    /// Builds what a throw into a moment would bring in; nothing, where it cannot be made: throwing it says why.
+    pub(super) fn foresee(&mut self, number: u64, throw: &Throw, time_s: Option<f64>) {
+        self.foreseen = None;
+        let Placing::From { position_m, .. } = throw.placing else { return };
+        let then =
+            time_s.and_then(|time_s| self.recording.at(time_s)).map(|moment| (moment.time_s, moment.edits));
+        let (run, thrown) = match then {
+            None => (self.run.as_ref(), self.thrown),
+            Some((time_s, edits)) => {
+                self.run_before(time_s, edits).map_or((None, 0), |(run, n)| (Some(run), n))
+            }
+        };
+        let Some(run) = run else { return };
+        if let Ok((_, entrance, _)) = scene_with_throw(throw, thrown + 1, &run.scene, &run.world) {
+            self.foreseen = Some(Arc::new(Foreseen::new(number, position_m, &entrance.body.mesh)));
         }
     }
 
@@ -93,6 +130,10 @@ impl Session {
         let mark = Mark { time_s, kind: MarkKind::Edit, text: what, edits: self.edits.len() };
         Arc::make_mut(&mut self.recording).mark(mark);
     }
+}
+
+fn lowest_m(nodes_m: &[DVec3]) -> f64 {
+    nodes_m.iter().map(|x| x.z).fold(f64::INFINITY, f64::min)
 }
 
 impl Run {

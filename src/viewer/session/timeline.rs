@@ -73,22 +73,15 @@ impl Session {
         self.keep_worlds_within(limit);
     }
 
-    fn keep_worlds_within(&mut self, limit_bytes: usize) {
-        let sum = |keyframes: &[Keyframe]| keyframes.iter().map(|k| k.bytes).sum::<usize>();
-        while sum(&self.keyframes) > limit_bytes && self.keyframes.len() > 1 {
-            let mut is_kept = false;
-            self.keyframes.retain(|_| {
-                is_kept = !is_kept;
-                is_kept
-            });
-            self.keyframe_every = self.keyframe_every.saturating_mul(2);
-        }
-        Arc::make_mut(&mut self.recording).world_bytes = sum(&self.keyframes);
+    pub(super) fn keep_worlds_within(&mut self, limit_bytes: usize) {
+        let (halvings, world_bytes) = thin_worlds(&mut self.keyframes, limit_bytes);
+        self.keyframe_every = self.keyframe_every.saturating_mul(1 << halvings.min(16));
+        Arc::make_mut(&mut self.recording).world_bytes = world_bytes;
     }
 
     pub(super) fn set_memory_limit(&mut self, bytes: usize) {
         Arc::make_mut(&mut self.recording).set_limit(bytes);
-        self.keep_worlds_within(self.recording.world_limit_bytes());
+        self.share_memory();
     }
 
     pub(super) fn forget_recording(&mut self) {
@@ -176,6 +169,16 @@ impl Session {
         true
     }
 
+    /// The last run that was kept before a time and so many edits, and how many bodies had been thrown in by then: not the
+    /// moment itself, but who was there.
+    pub(super) fn run_before(&self, time_s: f64, edits: usize) -> Option<(&Run, usize)> {
+        let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
+        let keyframe = self.keyframes.iter().rev().find(is_before)?;
+        let since = self.edits.iter().take(edits).skip(keyframe.edits);
+        let thrown = since.filter(|edit| matches!(edit.done, Done::Enter(..))).count();
+        Some((&keyframe.run, keyframe.thrown + thrown))
+    }
+
     /// The run at a time, after so many edits.
     pub(super) fn run_at(&self, time_s: f64, edits: usize) -> Result<(Run, usize), SimError> {
         let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
@@ -199,9 +202,22 @@ impl Session {
     }
 }
 
+/// Leaves out every second world, but never the first one, until they fit; returns how often, and what is left, bytes.
+pub(super) fn thin_worlds(keyframes: &mut Vec<Keyframe>, limit_bytes: usize) -> (u32, usize) {
+    let sum = |keyframes: &[Keyframe]| keyframes.iter().map(|k| k.bytes).sum::<usize>();
+    let mut halvings = 0;
+    while sum(keyframes) > limit_bytes && keyframes.len() > 1 {
+        let mut is_kept = false;
+        keyframes.retain(|_| {
+            is_kept = !is_kept;
+            is_kept
+        });
+        halvings += 1;
+    }
+    (halvings, sum(keyframes))
+}
+
 fn dropped_text(time_s: f64, dropped: &[&str], is_playing: bool) -> Option<String> {
-    const MOST_NAMED: usize = 3;
-    let more = if dropped.len() > MOST_NAMED { ", …" } else { "" };
     let (changes, again) = match dropped.len() {
         0 => return None,
         1 => ("one later change".to_owned(), "does it again, at its time"),
@@ -210,10 +226,17 @@ fn dropped_text(time_s: f64, dropped: &[&str], is_playing: bool) -> Option<Strin
     // Otherwise something is done in their place: that has to be taken back first.
     let keys = if is_playing { "Ctrl Y" } else { "Ctrl Z, then Ctrl Shift Y" };
     Some(format!(
-        "Going on from {} drops {changes}: {}{more}. {keys} {again}.",
+        "Going on from {} drops {changes}: {}. {keys} {again}.",
         with_unit(time_s, "s"),
-        dropped[..dropped.len().min(MOST_NAMED)].join(", ")
+        named(dropped)
     ))
+}
+
+/// The first of some things, in words.
+pub(super) fn named(things: &[&str]) -> String {
+    const MOST_NAMED: usize = 3;
+    let more = if things.len() > MOST_NAMED { ", …" } else { "" };
+    format!("{}{more}", things[..things.len().min(MOST_NAMED)].join(", "))
 }
 
 pub(super) fn step_to(world: &mut World, time_s: f64) -> Result<(), SimError> {

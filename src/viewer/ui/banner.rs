@@ -6,6 +6,8 @@ use egui::{Align2, Area, Context, Id, Margin, Order, Rect, RichText, ScrollArea,
 
 const WIDTH: f32 = 560.0;
 const MOST_HEIGHT: f32 = 180.0;
+/// Height of what explains the stress crosses, in the lower right corner of the picture, points.
+const CROSS_LEGEND_HEIGHT: f32 = 26.0;
 
 /// Shows the run's error and the latest notice, if there are any.
 pub fn show(context: &Context, app: &App, actions: &mut Vec<Action>) {
@@ -15,8 +17,9 @@ pub fn show(context: &Context, app: &App, actions: &mut Vec<Action>) {
     }
     let area = app.viewport.filter(|_| !app.is_gallery);
     let area = area.unwrap_or_else(|| context.content_rect());
-    // At the bottom, where it hides neither the legend nor, mostly, what happens.
-    let corner = area.center_bottom() - vec2(0.0, 14.0);
+    // At the bottom, where it hides neither the legends nor, mostly, what happens.
+    let legend = if app.is_gallery || app.drawn().crosses.is_empty() { 0.0 } else { CROSS_LEGEND_HEIGHT };
+    let corner = area.center_bottom() - vec2(0.0, 14.0 + legend);
     Area::new(Id::unique("banner"))
         .order(Order::Foreground)
         .pivot(Align2::CENTER_BOTTOM)

@@ -4,7 +4,7 @@ use super::Action;
 use super::inspector::row;
 use super::style;
 use super::widgets::measured;
-use crate::render::parse_with_unit;
+use crate::render::{Camera, parse_with_unit};
 use crate::viewer::app::App;
 use crate::viewer::closer::{Closer, CutDirection};
 use crate::viewer::look::Look;
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     }
     if is_cut {
         let mut edited = closer;
-        plane(ui, &mut edited);
+        plane(ui, &mut edited, &app.look.camera);
         if edited != closer {
             actions.push(Action::CutEdited(edited));
         }
@@ -31,13 +31,17 @@ pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     }
 }
 
-fn plane(ui: &mut Ui, closer: &mut Closer) {
+fn plane(ui: &mut Ui, closer: &mut Closer, camera: &Camera) {
     let before = closer.normal();
+    let stood = closer.direction;
     row(ui, "Across", |ui| {
         for (direction, label) in CutDirection::ALL {
             ui.selectable_value(&mut closer.direction, direction, label);
         }
     });
+    if closer.direction != stood {
+        closer.face(camera);
+    }
     if closer.direction == CutDirection::Free {
         angle(ui, "Turn", &mut closer.azimuth_deg, 180.0);
         angle(ui, "Tilt", &mut closer.elevation_deg, 90.0);
@@ -62,7 +66,9 @@ fn plane(ui: &mut Ui, closer: &mut Closer) {
             .custom_parser(|text| parse_with_unit(text, "m"));
         ui.add_sized(value_size, value).on_hover_text(hint);
     });
-    ui.checkbox(&mut closer.is_flipped, "Leave out the other side");
+    if ui.checkbox(&mut closer.is_flipped, "Leave out the other side").changed() {
+        closer.keep_side();
+    }
 }
 
 fn angle(ui: &mut Ui, label: &str, value_deg: &mut f32, most_deg: f32) {

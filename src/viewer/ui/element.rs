@@ -2,6 +2,7 @@
 
 use super::plots::{X_LABEL_SPACING, line, marks, tick};
 use super::stress_space::{self, NearSurface};
+use super::viewport;
 use super::widgets::measured;
 use crate::fracture::envelope::{
     DrawnRange, distance_along_pa, mohr_envelope, principal_place, principal_point_pa,
@@ -9,9 +10,9 @@ use crate::fracture::envelope::{
 use crate::fracture::{Criterion, CriterionError, Strength};
 use crate::viewer::app::App;
 use crate::viewer::inspection::Inspection;
-use egui::{Color32, Grid, Id, RichText, Ui};
+use egui::{Color32, Grid, Id, Rect, RichText, Shape, Stroke, Ui};
 use egui_plot::{AxisHints, Plot};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -56,6 +57,37 @@ pub fn show(ui: &mut Ui, app: &App) {
     if let Some(curves) = curves {
         stress_space::show(ui, &curves.surface, inspection.principal_pa);
     }
+}
+
+/// Outlines the element in the picture, where its skin is in sight.
+pub fn mark(ui: &Ui, app: &App, area: Rect) {
+    let Some(inspection) = app.inspection() else { return };
+    let painter = ui.painter().with_clip_rect(area);
+    for corners_m in skin_in_sight(app, area, inspection) {
+        let corners = corners_m.map(|corner_m| viewport::on_screen(app, area, corner_m));
+        let [Some(a), Some(b), Some(c)] = corners else { continue };
+        // Light around dark: it is seen on every colour.
+        for stroke in [Stroke::new(4.0, Color32::WHITE), Stroke::new(1.8, Color32::BLACK)] {
+            painter.add(Shape::closed_line(vec![a, b, c], stroke));
+        }
+    }
+}
+
+/// The triangles of an element that nothing hides, m.
+pub fn skin_in_sight(app: &App, area: Rect, inspection: &Inspection) -> Vec<[Vec3; 3]> {
+    let bodies = &app.drawn().bodies;
+    let Some(body) = bodies.iter().position(|body| *body.name == *inspection.body) else { return Vec::new() };
+    let (surface, positions_m) = (&bodies[body].surface, &bodies[body].positions_m);
+    let own = surface.triangles.iter().zip(&surface.triangle_element);
+    let own = own.filter(|(_, element)| **element == inspection.element);
+    let place = |node: u32| positions_m.get(node as usize).map(|p| Vec3::from(*p));
+    let corners = own.filter_map(|(&[a, b, c], _)| Some([place(a)?, place(b)?, place(c)?]));
+    let is_seen = |corners_m: &[Vec3; 3]| {
+        let middle_m = corners_m.iter().sum::<Vec3>() / 3.0;
+        let hit = viewport::on_screen(app, area, middle_m).and_then(|at| viewport::hit_at(app, area, at));
+        hit.is_some_and(|hit| (hit.body, hit.element) == (body, inspection.element))
+    };
+    corners.filter(is_seen).collect()
 }
 
 /// What a criterion looks like near a state of stress.

@@ -33,6 +33,8 @@ pub fn show(context: &Context, is_open: &mut bool) {
         .show(context, |ui| {
             // A small window scrolls it.
             let most = (context.content_rect().height() - TITLE_AND_MARGINS).max(80.0);
+            // A bar that is always there says that there is more below.
+            ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
             ScrollArea::vertical().max_height(most).min_scrolled_height(most).show(ui, content);
         });
 }

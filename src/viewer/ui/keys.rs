@@ -16,7 +16,7 @@ pub const KEYS: [(&str, &str); 19] = [
     ("Left, Right", "the recorded moment before, after"),
     ("End", "back to the present"),
     ("T", "throw with the mouse, or turn the camera again"),
-    ("Ctrl Z", "take the last throw, removal, pull or change of contact back"),
+    ("Ctrl Z", "take the last throw, removal, pull, change of contact or reset back"),
     ("Ctrl Y, Ctrl Shift Z", "do it again"),
     ("Ctrl Shift Y", "do again what had been done there before that"),
     ("Ctrl S", "save the scene"),

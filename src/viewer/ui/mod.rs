@@ -6,6 +6,7 @@ mod contact;
 mod element;
 mod fracture;
 mod gallery;
+mod ghost;
 pub mod grab;
 mod help;
 mod icons;
@@ -24,6 +25,8 @@ mod toolbar;
 mod viewport;
 mod widgets;
 
+#[cfg(test)]
+pub use element::skin_in_sight;
 pub use widgets::open_only;
 
 use super::app::{App, SaveKind};
@@ -58,6 +61,8 @@ pub enum Action {
     SetSpeed(f64),
     /// Throw or drop a body.
     Throw(Throw),
+    /// Find out what the throw under way would bring in.
+    Foresee(Throw),
     /// Take out the body of this number.
     Remove(usize),
     /// Look closely at the element of a body.

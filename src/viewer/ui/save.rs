@@ -1,9 +1,10 @@
 //! Taking it home.
 
-use super::Action;
 use super::widgets::measured;
+use super::{Action, style};
 use crate::viewer::app::{App, SaveKind};
-use egui::{Button, DragValue, ProgressBar, RichText, TextEdit, Ui};
+use egui::{Align, Button, DragValue, Layout, ProgressBar, RichText, TextEdit, Ui};
+use std::path::Path;
 
 /// Shows the section.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -19,26 +20,41 @@ fn fields(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         let folder = TextEdit::singleline(&mut app.save.folder).desired_width(f32::INFINITY);
         ui.add(folder).on_hover_text("Folder; files that are there are never written over");
     });
-    if let Some((path, share)) = app.saver.progress() {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        ui.add(ProgressBar::new(share).text(name));
-        if ui.button("Cancel").clicked() {
-            actions.push(Action::CancelSaving);
-        }
-        return;
-    }
     buttons(ui, actions);
-    animation(ui, app, actions);
+    match app.saver.animation() {
+        Some((path, share)) => under_way(ui, path, share, actions),
+        None => animation(ui, app, actions),
+    }
     if let Some(outcome) = &app.save.outcome {
         ui.label(RichText::new(outcome).small().weak());
     }
+}
+
+/// How far the animation is; everything else can be saved meanwhile.
+fn under_way(ui: &mut Ui, path: &Path, share: f32, actions: &mut Vec<Action>) {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.button("Cancel").on_hover_text("What it has so far is kept").clicked() {
+                actions.push(Action::CancelSaving);
+            }
+            // The name can be read on both parts of the bar.
+            let name = RichText::new(name).color(ui.visuals().text_color());
+            let bar = ProgressBar::new(share).fill(style::accent().gamma_multiply(0.45));
+            ui.add(bar.desired_width(ui.available_width()).text(name));
+        });
+    });
 }
 
 fn buttons(ui: &mut Ui, actions: &mut Vec<Action>) {
     const BUTTONS: [(SaveKind, &str, &str); 4] = [
         (SaveKind::Picture, "Picture", "The moment shown, as PNG"),
         (SaveKind::Scene, "Scene", "As TOML: thrown bodies, sliders, camera and all (Ctrl S)"),
-        (SaveKind::Obj, "OBJ", "The fragments of the moment shown as objects, for Blender and others"),
+        (
+            SaveKind::Obj,
+            "OBJ",
+            "The fragments of the moment shown as objects, for Blender and others; whole, even if cut open or exploded for the eye",
+        ),
         (SaveKind::Ply, "PLY", "The same, with body, fragment and crack at every triangle"),
     ];
     ui.columns_const(|columns: &mut [Ui; 4]| {

@@ -56,6 +56,12 @@ fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {
         ("stage", status.stage.clone(), "What the last step did"),
         ("steps", status.steps.to_string(), "Steps since the start"),
     ];
+    // Its panel may be closed, and over the picture it would hide something all the while.
+    if let Some((path, share)) = app.saver.animation() {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let hint = "The animation that is being saved; all else can be saved meanwhile";
+        values.insert(0, ("saving", format!("{name}, {:.0} %", 100.0 * share), hint));
+    }
     if let Some(detail) = app.detail {
         let hint = "To keep up, moving pictures are drawn less finely; still ones are not (View: Full detail in motion)";
         values.push(("detail in motion", detail.to_owned(), hint));

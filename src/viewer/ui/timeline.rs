@@ -5,7 +5,7 @@ use super::{Action, style};
 use crate::viewer::app::App;
 use crate::viewer::recording::{LEAST_LIMIT_BYTES, Mark, MarkKind};
 use egui::{
-    Align, Align2, Color32, DragValue, FontId, Layout, Rect, RichText, Sense, Stroke, Ui, pos2, vec2,
+    Align, Align2, Color32, DragValue, FontId, Layout, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2,
 };
 
 /// Height of the bar, points.
@@ -84,7 +84,13 @@ fn bar(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let recorded_s = recording.moments().last().map_or(0.0, |moment| moment.time_s);
     let done = rail.with_max_x(x_of(recorded_s));
     painter.rect_filled(done, 3.0, style::accent().gamma_multiply(0.45));
-    for mark in recording.marks() {
+    for mark in app.snapshot.planned.iter().filter(|mark| mark.time_s > recorded_s) {
+        // What is still to come is only sketched.
+        let ends = [pos2(x_of(mark.time_s), area.top()), pos2(x_of(mark.time_s), area.bottom())];
+        painter.extend(Shape::dashed_line(&ends, Stroke::new(2.0, mark_color(mark.kind)), 4.0, 3.0));
+    }
+    let planned = app.snapshot.planned.iter().filter(|mark| mark.time_s <= recorded_s);
+    for mark in recording.marks().iter().chain(planned) {
         let x = x_of(mark.time_s);
         let stroke = Stroke::new(2.0, mark_color(mark.kind));
         match mark.kind {
@@ -108,17 +114,18 @@ fn bar(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     }
 }
 
-/// The time that the bar reaches to: the scene's end, or what was simulated beyond.
+/// The time that the bar reaches to: the scene's end, or what was simulated or is planned beyond.
 fn end_s(app: &App) -> f64 {
     let scene = app.snapshot.scene.as_ref().map_or(0.0, |scene| scene.description.duration_s);
-    scene.max(app.snapshot.frame.time_s).max(1e-9)
+    let planned = app.snapshot.planned.iter().map(|mark| mark.time_s).fold(scene, f64::max);
+    planned.max(app.snapshot.frame.time_s).max(1e-9)
 }
 
 /// Place and text of the hint: a mark near the mouse, or the time there.
 fn hover_text(ui: &Ui, app: &App, rail: Rect, end_s: f64) -> Option<(f32, String)> {
     let mouse = ui.input(|input| input.pointer.hover_pos())?;
     let x_of = |mark: &Mark| rail.left() + rail.width() * (mark.time_s / end_s) as f32;
-    let marks = app.snapshot.recording.marks().iter();
+    let marks = app.snapshot.recording.marks().iter().chain(app.snapshot.planned.iter());
     let near: Vec<&Mark> = marks.filter(|mark| (x_of(mark) - mouse.x).abs() < MARK_REACH).collect();
     if let Some(first) = near.first() {
         let more = if near.len() > 1 { format!(" and {} more", near.len() - 1) } else { String::new() };

@@ -1,11 +1,12 @@
 //! The scene itself, and the mouse over it.
 
 use super::widgets::measured;
-use super::{Action, banner, grab, style};
+use super::{Action, banner, element, ghost, grab, style};
 use crate::viewer::app::App;
 use crate::viewer::orbit::MouseInput;
 use crate::viewer::pick::{Hit, pick};
-use egui::{Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
+use egui::text::LayoutJob;
+use egui::{Align, Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 use glam::{Vec2, Vec3};
 
 /// Shows the picture of the scene; what it shows is drawn after the layout, so it is never a frame late.
@@ -48,6 +49,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         banner::waiting(ui, area, "Opening the scene …");
     } else {
         draw_aim(ui, app, area);
+        element::mark(ui, app, area);
         grab::draw(ui, app, area);
         body_menu(ui, app, area, &response, actions);
     }
@@ -78,13 +80,16 @@ fn take_aim(app: &mut App, area: Rect, response: &Response, actions: &mut Vec<Ac
     if response.drag_started_by(PointerButton::Primary) {
         let at = response.interact_pointer_pos().map(|at| share(area, at - response.drag_delta()));
         app.aim.drag = at.map(|at| [at, at]);
+        app.aim.drags += 1;
+        actions.extend(app.aim.foresight(&app.look.camera, aspect(area)).map(Action::Foresee));
     }
     let at = response.interact_pointer_pos();
     if let (Some(drag), Some(at)) = (&mut app.aim.drag, at) {
         drag[1] = share(area, at);
     }
     if response.drag_stopped_by(PointerButton::Primary) {
-        let path = app.aim.path(app.shown(), &app.look.camera, aspect(area));
+        let lift_m = app.ghost().map_or(0.0, |ghost| ghost.lift_m);
+        let path = app.aim.path(app.shown(), &app.look.camera, aspect(area), lift_m);
         if let Some(path) = path.filter(|_| app.snapshot.run_error.is_none()) {
             actions.push(Action::Throw(app.aim.throw(&path)));
         }
@@ -95,12 +100,18 @@ fn take_aim(app: &mut App, area: Rect, response: &Response, actions: &mut Vec<Ac
 }
 
 fn draw_aim(ui: &Ui, app: &App, area: Rect) {
-    let Some(path) = app.aim.path(app.shown(), &app.look.camera, aspect(area)) else {
+    let ghost = app.ghost();
+    let lift_m = ghost.as_ref().map_or(0.0, |ghost| ghost.lift_m);
+    ghost.iter().for_each(|ghost| ghost::draw(ui, app, area, ghost));
+    let Some(path) = app.aim.path(app.shown(), &app.look.camera, aspect(area), lift_m) else {
         if app.aim.is_armed && app.aim.drag.is_none() {
             let text = "Press where the body shall start, drag to its target, let go to throw. Esc: no more throwing";
-            let at = area.center_top() + egui::vec2(0.0, 14.0);
+            // In more lines where the view is narrow.
             let font = FontId::proportional(12.5);
-            ui.painter().text(at, Align2::CENTER_TOP, text, font, style::accent());
+            let mut job = LayoutJob::simple(text.to_owned(), font, style::accent(), area.width() - 24.0);
+            job.halign = Align::Center;
+            let galley = ui.painter().layout_job(job);
+            ui.painter().galley(area.center_top() + egui::vec2(0.0, 14.0), galley, style::accent());
         }
         return;
     };
@@ -114,9 +125,19 @@ fn draw_aim(ui: &Ui, app: &App, area: Rect) {
     painter.extend(Shape::dashed_line(&points, stroke, 9.0, 5.0));
     painter.arrow(last, (last - before).normalized() * 0.1, stroke);
     painter.circle_stroke(last, 9.0, stroke);
-    let label = measured(app.aim.speed_m_s, "m/s");
-    let place = first + egui::vec2(10.0, -10.0);
-    painter.text(place, Align2::LEFT_BOTTOM, label, FontId::proportional(13.0), style::accent());
+    let speed = measured(app.aim.speed_m_s, "m/s");
+    let label = match lift_m > 0.0 {
+        true => {
+            format!("{speed}, starts {} higher: something is in the way", measured(f64::from(lift_m), "m"))
+        }
+        false => speed,
+    };
+    let galley = painter.layout_no_wrap(label, FontId::proportional(13.0), style::accent());
+    let place = Align2::LEFT_BOTTOM.anchor_size(first + egui::vec2(10.0, -10.0), galley.size());
+    // Whole, wherever the body starts.
+    let inside = area.shrink(6.0);
+    let most = (inside.max - place.size()).max(inside.min);
+    painter.galley(place.min.clamp(inside.min, most), galley, style::accent());
 }
 
 /// What can be done with the body under the mouse, on a click with the right button.
@@ -136,7 +157,8 @@ fn body_menu(ui: &Ui, app: &App, area: Rect, response: &Response, actions: &mut 
         ui.strong(&*name);
         let is_own = app.snapshot.scene.as_ref().is_some_and(|scene| scene.entry_of(&name).is_some());
         ui.add_enabled_ui(is_own, |ui| {
-            if ui.button("Take out of the scene").clicked() {
+            let hint = "Only the scene's bodies and what was thrown can be taken out";
+            if ui.button("Take out of the scene").on_disabled_hover_text(hint).clicked() {
                 actions.push(Action::Remove(body));
             }
         });

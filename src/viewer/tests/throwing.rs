@@ -1,0 +1,66 @@
+//! What is thrown is seen before, at its size and where it starts.
+
+use super::*;
+use glam::Vec3;
+
+/// Where a body's middle is in the window.
+fn middle_of(window: &Window, body: usize) -> Pos2 {
+    let app = window.state();
+    let positions_m = &app.snapshot.frame.bodies[body].positions_m;
+    let middle_m = positions_m.iter().map(|p| Vec3::from(*p)).sum::<Vec3>() / positions_m.len() as f32;
+    let area = app.viewport.unwrap();
+    let share = app.look.camera.picture_position(middle_m, area.width() / area.height()).unwrap();
+    area.min + egui::vec2(share.x, share.y) * area.size()
+}
+
+#[test]
+fn a_throw_is_seen_before_at_its_size_where_it_will_start() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    // However far it has come: the ball is where the scene has it.
+    window.key_press(egui::Key::R);
+    settle(&mut window);
+    assert_eq!(window.state().snapshot.frame.time_s, 0.0);
+    let bodies = window.state().snapshot.frame.bodies.len();
+    press(&mut window, "Throw with the mouse");
+    assert!(window.state().ghost().is_none());
+    let area = window.state().viewport.unwrap();
+    // Free in the air; then where the ball is.
+    for (thrown, from) in [(1, area.min + 0.3 * area.size()), (2, middle_of(&window, bodies - 1))] {
+        let target = area.min + egui::vec2(0.75, 0.2) * area.size();
+        hold(&mut window, [from, target], Modifiers::NONE, 4);
+        settle(&mut window);
+        let app = window.state();
+        let ghost = app.ghost().expect("nothing is seen of what is thrown");
+        assert_eq!(ghost.lift_m > 0.0, thrown == 2, "{}", ghost.lift_m);
+        let foreseen_m = ghost.nodes_m.clone();
+        release(&mut window, target, Modifiers::NONE);
+        settle(&mut window);
+        let app = window.state();
+        assert!(app.ghost().is_none());
+        let body = app.snapshot.frame.bodies.last().unwrap();
+        assert_eq!(app.snapshot.frame.bodies.len(), bodies + thrown);
+        for point in &body.positions_m {
+            let nearest_m =
+                foreseen_m.iter().map(|x| (*x - Vec3::from(*point)).length()).fold(f32::MAX, f32::min);
+            assert!(nearest_m < 1e-5, "{nearest_m} m from what was seen");
+        }
+        let told = app.notice().is_some_and(|text| text.contains("higher, clear of what is there"));
+        assert_eq!(told, thrown == 2, "{:?}", app.notice());
+    }
+    // Into a moment looked back at: the ball that was thrown later is not in the way.
+    press(&mut window, "Play (space)");
+    wait(&mut window, "time", |app| app.snapshot.recording.moments().len() > 12);
+    press(&mut window, "Pause (space)");
+    let bar = window.get_by_label("Timeline").rect();
+    drag(&mut window, bar.center(), bar.left_center() + egui::vec2(1.0, 0.0));
+    settle(&mut window);
+    assert!(window.state().player.is_back());
+    let from = area.min + 0.3 * area.size();
+    hold(&mut window, [from, area.center()], Modifiers::NONE, 4);
+    settle(&mut window);
+    assert_eq!(window.state().ghost().expect("a ghost in the past").lift_m, 0.0);
+    release(&mut window, area.center(), Modifiers::NONE);
+    settle(&mut window);
+}
