@@ -17,6 +17,7 @@ use hammerfall::contact::nodes::{ContactNode, NodeTable};
 use hammerfall::contact::response::{ResponseParameters, ResponseReport, set_targets, solve, sort_by_place};
 use hammerfall::contact::{
     BodyView, CloseList, CollisionList, Constraint, ContactSurface, Near, PairDepths, PairView, SurfaceBoxes,
+    ThrownNodes,
 };
 use hammerfall::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
 use hammerfall::mesh::{Surface, TetMesh};
@@ -148,7 +149,7 @@ impl Press {
         let mut found = Vec::new();
         let mut close = CloseList::default();
         close.renew(&pair, candidates, 0.0);
-        Near::of_close(&pair, &close, 0.0).find(&pair, &mut found);
+        Near::of_close(&pair, &close, &ThrownNodes::none(0.0)).find(&pair, &mut found);
         found
     }
 

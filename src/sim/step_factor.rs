@@ -6,7 +6,7 @@
 //! vibration ends with one step for good.
 
 /// Ratio between the stages.
-const STAGE: f64 = 0.9;
+const STAGE: f64 = 0.8;
 /// Steps for which a longer step must have been possible before the step grows for the first time,
 const FIRST_HOLD: u32 = 125;
 /// and at most.
