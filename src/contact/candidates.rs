@@ -4,6 +4,7 @@
 //! comes twice and no set of pairs is needed.
 
 use super::boxes::{SurfaceBoxes, overlap};
+use super::in_parts;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use super::twins::TwinState;
@@ -77,12 +78,10 @@ impl Candidates {
             let [p, q] = [first, second].map(|edge| surface.edges[*edge as usize].nodes);
             p.map(|node| twin(node, &q).unwrap_or(NO_TWINS))
         };
-        let entries = || self.node_on_second.par_iter().with_min_len(PAIRS_AT_ONCE);
-        let were_one = || entries().map(|(n, t)| surface.were_one(*n, *t)).collect();
-        let edges = || self.edge_pairs.par_iter().with_min_len(PAIRS_AT_ONCE).map(at_ends).collect();
-        let (node_twins, (were_one, edge_twins)) =
-            rayon::join(|| entries().map(at_node).collect(), || rayon::join(were_one, edges));
-        (self.node_twins, self.were_one, self.edge_twins) = (node_twins, were_one, edge_twins);
+        let were_one = |(node, triangle): &(u32, u32)| surface.were_one(*node, *triangle);
+        self.node_twins = in_parts::map(&self.node_on_second, PAIRS_AT_ONCE, at_node);
+        self.were_one = in_parts::map(&self.node_on_second, PAIRS_AT_ONCE, were_one);
+        self.edge_twins = in_parts::map(&self.edge_pairs, PAIRS_AT_ONCE, at_ends);
         self
     }
 }
@@ -149,8 +148,13 @@ pub(super) fn within_triangles(own: &OwnFeatures, boxes: &SurfaceBoxes, pairs: &
         });
         found
     };
+    let parts: Vec<Candidates> = if pairs.len() <= PAIRS_AT_ONCE {
+        vec![of_pairs(pairs)]
+    } else {
+        pairs.par_chunks(PAIRS_AT_ONCE).map(of_pairs).collect()
+    };
     let mut found = Candidates::default();
-    for part in pairs.par_chunks(PAIRS_AT_ONCE).map(of_pairs).collect::<Vec<_>>() {
+    for part in parts {
         found.node_on_second.extend(part.node_on_second);
         found.edge_pairs.extend(part.edge_pairs);
     }

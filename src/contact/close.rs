@@ -8,6 +8,7 @@ use super::candidates::{Boxed, Candidates};
 use super::detect::{NEAR, PairDepths, PairView};
 use super::follow::Origins;
 use super::geometry::{barycentric, closest_on_lines, distance_of_segments};
+use super::in_parts;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use super::thrown::ThrownNodes;
@@ -144,9 +145,9 @@ impl CloseList {
         };
         let edge_flies = |side: usize, edge: u32| nodes_fly(side, &surface(side).edges[edge as usize].nodes);
         let near_of = |wakes_m: &[f64], clusters: &[u32], flies: &(dyn Fn(usize) -> bool + Sync)| {
-            let wakes = wakes_m.par_iter().zip(clusters).enumerate().with_min_len(CHUNK);
-            let near = wakes.filter(|(place, (wake_m, pair))| is_near(**wake_m, **pair) && flies(*place));
-            near.map(|(place, _)| place).collect::<Vec<usize>>()
+            in_parts::filter_map(wakes_m, CHUNK, |place, wake_m| {
+                (is_near(*wake_m, clusters[place]) && flies(place)).then_some(place)
+            })
         };
         let (wake, ways) = (&self.wake, &self.ways);
         let on_second = near_of(&wake.node_on_second_m, &ways.of_node_on_second, &|place| {

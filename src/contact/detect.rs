@@ -8,13 +8,13 @@ use super::collision_list::CollisionList;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
 use super::impact::ImpactStore;
+use super::in_parts;
 use super::near::NEAR_AT_ONCE;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
 use super::twins::TwinState;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Gap, as a share of the local element size, within which a pair takes part in the response even
 /// when the prediction does not close it: neighbours' impulses may.
@@ -444,7 +444,7 @@ pub(super) fn near_twins(pair: &PairView, states: &[TwinState], reach_m: f64) ->
     };
     let pairs = (0_u32..).zip(states).filter(|(_, state)| **state == TwinState::Together);
     let contacts: Vec<_> = pairs.flat_map(|(twins, _)| view.surface.twins.contacts(twins)).collect();
-    contacts.into_par_iter().with_min_len(NEAR_AT_ONCE).filter_map(near).collect()
+    in_parts::filter_map(&contacts, NEAR_AT_ONCE, |_, contact| near(*contact))
 }
 
 pub(super) fn twin_constraint(pair: &PairView, near: &NearPair) -> Option<Constraint> {

@@ -4,6 +4,7 @@ use super::candidates::Candidates;
 use super::close::CloseList;
 use super::constraint::{Constraint, Feature};
 use super::detect::{NearPair, NodeSide, PairView, edge_constraint, near_edges, near_twins, twin_constraint};
+use super::in_parts;
 use super::thrown::ThrownNodes;
 use super::twins::TwinState;
 use rayon::prelude::*;
@@ -60,17 +61,16 @@ impl Near {
             let slack_m = |(node, triangle): (u32, u32)| {
                 thrown.slack_m(side, &[node], &node_side.views[1].surface.triangles[triangle as usize])
             };
-            let near = nodes.par_iter().enumerate().with_min_len(NEAR_AT_ONCE);
-            near.filter_map(|(i, c)| node_side.near(*c, were_one(i), [way_m, slack_m(*c)])).collect()
+            let near = |i: usize, c: &(u32, u32)| node_side.near(*c, were_one(i), [way_m, slack_m(*c)]);
+            in_parts::filter_map(nodes, NEAR_AT_ONCE, near)
         };
         let c = candidates;
         let ends = |side: usize, edge: u32| pair.views[side].surface.edges[edge as usize].nodes;
         let of_edges =
-            |c: &(u32, u32)| near_edges(pair, *c, way_m + thrown.slack_m(0, &ends(0, c.0), &ends(1, c.1)));
-        let edges = c.edge_pairs.par_iter().with_min_len(NEAR_AT_ONCE);
+            |_, c: &(u32, u32)| near_edges(pair, *c, way_m + thrown.slack_m(0, &ends(0, c.0), &ends(1, c.1)));
         Self {
             nodes: [near_nodes(0, &c.node_on_second, &c.were_one), near_nodes(1, &c.node_on_first, &[])],
-            edges: edges.filter_map(of_edges).collect(),
+            edges: in_parts::filter_map(&c.edge_pairs, NEAR_AT_ONCE, of_edges),
             twins: near_twins(pair, twin_states, way_m + thrown.most_m()),
         }
     }
@@ -108,10 +108,10 @@ impl Near {
         pair: &PairView,
         is_wanted: impl Fn(&NearPair) -> bool + Sync,
     ) -> Vec<Constraint> {
-        let edges = self.edges.par_iter().with_min_len(NEAR_AT_ONCE).filter(|n| is_wanted(n));
-        let twins = self.twins.par_iter().with_min_len(NEAR_AT_ONCE);
-        let edges = edges.filter_map(|e| edge_constraint(pair, e));
-        edges.chain(twins.filter_map(|t| twin_constraint(pair, t))).collect()
+        let of_edges = |_, e: &NearPair| is_wanted(e).then(|| edge_constraint(pair, e)).flatten();
+        let mut found = in_parts::filter_map(&self.edges, NEAR_AT_ONCE, of_edges);
+        found.extend(in_parts::filter_map(&self.twins, NEAR_AT_ONCE, |_, t| twin_constraint(pair, t)));
+        found
     }
 
     /// Appends the constraints of the pairs that would penetrate by more than `depth` of the local size at the end

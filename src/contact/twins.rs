@@ -6,9 +6,9 @@
 
 use super::detect::{BodyView, OWN_NEAR};
 use super::geometry::unit_normal;
+use super::in_parts;
 use super::surface::{CrackSide, NodeLists};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Distance of twins, over the local size, up to which they are together: what penetration may be.
 pub(super) const TOGETHER: f64 = 1e-3;
@@ -83,8 +83,8 @@ impl Twins {
 
     /// How each pair lies.
     pub fn states(&self, view: &BodyView, step_s: f64, slack_m: f64) -> Vec<TwinState> {
-        let pairs = (0..self.pairs.len() as u32).into_par_iter().with_min_len(TWINS_AT_ONCE);
-        pairs.map(|pair| self.state(pair, view, step_s, slack_m)).collect()
+        let state = |pair: usize, _: &[u32; 2]| Some(self.state(pair as u32, view, step_s, slack_m));
+        in_parts::filter_map(&self.pairs, TWINS_AT_ONCE, state)
     }
 
     fn state(&self, pair: u32, view: &BodyView, step_s: f64, slack_m: f64) -> TwinState {

@@ -1,0 +1,27 @@
+//! Loops over long lists, shared out among threads in parts; short ones stay where they are, since calling other threads costs
+//! more than it saves (the more so from outside of the pool).
+
+use rayon::prelude::*;
+
+/// What `f`, given places and items, makes of a list, in its order. A thread takes `part` items at a time.
+pub(super) fn filter_map<T: Sync, R: Send>(
+    items: &[T],
+    part: usize,
+    f: impl Fn(usize, &T) -> Option<R> + Sync,
+) -> Vec<R> {
+    let of_part = |(number, items): (usize, &[T])| -> Vec<R> {
+        (number * part..).zip(items).filter_map(|(place, item)| f(place, item)).collect()
+    };
+    if items.len() <= part {
+        return of_part((0, items));
+    }
+    let mut found = items.par_chunks(part).enumerate().map(of_part).collect::<Vec<_>>().into_iter();
+    let mut all = found.next().unwrap_or_default();
+    found.for_each(|part| all.extend(part));
+    all
+}
+
+/// The same where every item becomes something.
+pub(super) fn map<T: Sync, R: Send>(items: &[T], part: usize, f: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    filter_map(items, part, |_, item| Some(f(item)))
+}
