@@ -113,8 +113,9 @@ impl CloseList {
     ) {
         self.ways.look(positions_m);
         self.wake.count_from_now(&self.ways);
-        self.wake.follow(origins);
-        self.ways = Ways::of(all, surfaces, positions_m, is_own);
+        let Self { wake, ways, .. } = self;
+        let (now, ()) = rayon::join(|| Ways::of(all, surfaces, positions_m, is_own), || wake.follow(origins));
+        *ways = now;
     }
 
     /// Those of all candidates with nodes to be looked at again that may touch when ways change as far as `thrown` reckons with:

@@ -68,15 +68,24 @@ pub(super) struct NodeLists {
 }
 
 impl NodeLists {
-    /// From pairs of a node and an entry.
-    pub fn new(mut pairs: Vec<(u32, u32)>, node_count: usize) -> Self {
-        pairs.sort_unstable();
+    /// From pairs of a node and an entry; ascending for each node.
+    pub fn new(pairs: Vec<(u32, u32)>, node_count: usize) -> Self {
         let mut starts = vec![0_u32; node_count + 1];
         pairs.iter().for_each(|(node, _)| starts[*node as usize + 1] += 1);
         for node in 0..node_count {
             starts[node + 1] += starts[node];
         }
-        Self { starts, entries: pairs.into_iter().map(|p| p.1).collect() }
+        let mut entries = vec![0; pairs.len()];
+        let mut next = starts.clone();
+        for (node, entry) in pairs {
+            let place = &mut next[node as usize];
+            entries[*place as usize] = entry;
+            *place += 1;
+        }
+        for range in starts.windows(2) {
+            entries[range[0] as usize..range[1] as usize].sort_unstable();
+        }
+        Self { starts, entries }
     }
 
     pub fn of(&self, node: u32) -> &[u32] {

@@ -10,6 +10,7 @@ use crate::math::{DisjointSets, best_fit_rotation};
 use crate::mesh::Renumbering;
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
+use rayon::prelude::*;
 
 /// How far boxes are fattened, as a share of the body's mean surface element size.
 const MARGIN: f64 = 0.2;
@@ -150,9 +151,10 @@ impl BroadPhase {
         let surface = &bodies[cut].surface;
         let Entry { boxes, own, .. } = &mut self.entries[cut];
         let own = own.as_mut().map(|own| &mut own.boxes);
-        boxes.iter_mut().chain(own).for_each(|boxes| boxes.follow(surface, numbers, parents));
+        let mut of_body: Vec<&mut SurfaceBoxes> = boxes.iter_mut().chain(own).collect();
+        of_body.par_iter_mut().for_each(|boxes| boxes.follow(surface, numbers, parents));
         let entries = &self.entries;
-        self.pairs.retain_mut(|pair| {
+        let stays = |pair: &mut NearPair| {
             let [first, second] = pair.bodies;
             if first != cut && second != cut {
                 return true;
@@ -171,7 +173,9 @@ impl BroadPhase {
             let positions_m = pair.bodies.map(|body| bodies[body].position_m.as_slice());
             pair.close.follow_between(&mut pair.candidates, boxed, positions_m, of_pair);
             true
-        });
+        };
+        let mut stay = self.pairs.par_iter_mut().map(stays).collect::<Vec<bool>>().into_iter();
+        self.pairs.retain(|_| stay.next() == Some(true));
     }
 
     /// First half of the update: bounds of all bodies, and which of them come near others. `step_s` is the length of

@@ -79,11 +79,16 @@ impl Body {
         let solid = &breaking.solid;
         let now = Surface::of_neighbours(&self.tets, |tet, face| behind(solid, tet, face));
         let before = std::mem::replace(&mut self.boundary, now);
-        let sides = crack_sides(solid, &self.boundary);
-        self.surface =
-            ContactSurface::new(&self.boundary, &self.reference_m).with_cracks(sides, &self.reference_m);
+        let (boundary, reference_m) = (&self.boundary, &self.reference_m);
+        let surface = || {
+            let sides = crack_sides(solid, boundary);
+            ContactSurface::new(boundary, reference_m).with_cracks(sides, reference_m)
+        };
+        let numbers = || Renumbering::between(&before, boundary, reference_m.len());
+        let (surface, numbers) = rayon::join(surface, numbers);
+        self.surface = surface;
         self.mean_size_m = self.surface.mean_size_m();
-        Renumbering::between(&before, &self.boundary, self.reference_m.len())
+        numbers
     }
 
     /// New nodes are held as their parents are: twins as the node they were one with, nodes on an edge as far as both of
