@@ -1,7 +1,7 @@
 //! From candidates to constraints: which pairs touch, or would at the end of the step.
 //!
 //! A step asks more than once, with other velocities each time, since the response to some pairs may close
-//! others. What depends on positions alone is worked out once, in [`Near`]; the looks that follow are cheap.
+//! others. What depends on positions alone is worked out once, in [`super::Near`]; the looks that follow are cheap.
 
 use super::atomic::{AtomicCase, Verdict};
 use super::collision_list::CollisionList;

@@ -100,10 +100,8 @@ impl Aim {
         // It still flies to what it is aimed at.
         let start_m = asked_m + Vec3::Z * lift_m;
         let aim_m = pick::point_under(frame, camera, to, aspect);
-        let direction = (aim_m - start_m).try_normalize()?;
-        let velocity_m_s = direction * self.speed_m_s as f32;
-        let time_s = (aim_m - start_m).length() / (self.speed_m_s as f32).max(1e-3);
         let gravity = if frame.is_weightless { 0.0 } else { GRAVITY_M_S2 };
+        let (velocity_m_s, time_s) = flight(aim_m - start_m, self.speed_m_s as f32, gravity)?;
         let at = |index: usize| {
             let t = time_s * index as f32 / (PATH_POINTS - 1) as f32;
             start_m + velocity_m_s * t - Vec3::Z * (0.5 * gravity * t * t)
@@ -133,15 +131,45 @@ impl Aim {
     }
 }
 
+/// The velocity (m/s) of this length with which something flies over `way_m` by the lower arc, and the time (s) that it takes;
+/// straight ahead, and past its target, where it is too slow for any arc. `None` without a way or a speed.
+fn flight(way_m: Vec3, speed_m_s: f32, gravity_m_s2: f32) -> Option<(Vec3, f32)> {
+    let direction = way_m.try_normalize().filter(|_| speed_m_s > 0.0)?;
+    // |way + g t^2/2 e_z| = v t, of which the smaller t.
+    let reach = speed_m_s * speed_m_s - gravity_m_s2 * way_m.z;
+    let spare = reach * reach - gravity_m_s2 * gravity_m_s2 * way_m.length_squared();
+    if reach <= 0.0 || spare < 0.0 {
+        return Some((direction * speed_m_s, way_m.length() / speed_m_s));
+    }
+    let time_s = (2.0 * way_m.length_squared() / (reach + spare.sqrt())).sqrt();
+    Some((way_m / time_s + Vec3::Z * (0.5 * gravity_m_s2 * time_s), time_s))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
+    fn what_is_thrown_hits_what_it_is_aimed_at_with_the_speed_asked_for() {
+        for way_m in [Vec3::new(1.0, 0.5, -0.3), Vec3::new(2.0, -1.0, 1.0), Vec3::Z, -Vec3::Z] {
+            for gravity in [0.0, GRAVITY_M_S2] {
+                let (velocity_m_s, time_s) = flight(way_m, 9.0, gravity).unwrap();
+                let end_m = velocity_m_s * time_s - Vec3::Z * (0.5 * gravity * time_s * time_s);
+                assert!((end_m - way_m).length() < 1e-4, "{way_m}: {end_m}");
+                assert!((velocity_m_s.length() - 9.0).abs() < 1e-4, "{way_m}: {velocity_m_s}");
+            }
+        }
+        // Too far for this speed: straight ahead.
+        let (velocity_m_s, _) = flight(Vec3::X * 10.0, 2.0, GRAVITY_M_S2).unwrap();
+        assert_eq!(velocity_m_s, Vec3::X * 2.0);
+        assert_eq!(flight(Vec3::ZERO, 2.0, 0.0), None);
+    }
+
+    #[test]
     fn a_drag_throws_along_itself_with_the_speed_asked_for() {
         let camera = Camera::default();
         let mut aim = Aim { speed_m_s: 5.0, spin_rad_s: 2.0, ..Aim::default() };
-        let frame = Frame::default();
+        let frame = Frame { is_weightless: true, ..Frame::default() };
         assert!(aim.path(&frame, &camera, 1.5, 0.0).is_none());
         aim.drag = Some([Vec2::new(0.3, 0.5), Vec2::new(0.301, 0.5)]);
         assert!(aim.path(&frame, &camera, 1.5, 0.0).is_none(), "a click is no throw");

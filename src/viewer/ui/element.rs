@@ -10,7 +10,7 @@ use crate::fracture::envelope::{
 use crate::fracture::{Criterion, CriterionError, Strength};
 use crate::viewer::app::App;
 use crate::viewer::inspection::Inspection;
-use egui::{Color32, Grid, Id, Rect, RichText, Shape, Stroke, Ui};
+use egui::{Color32, Grid, Id, Rect, RichText, Stroke, Ui};
 use egui_plot::{AxisHints, Plot};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
@@ -68,7 +68,10 @@ pub fn mark(ui: &Ui, app: &App, area: Rect) {
         let [Some(a), Some(b), Some(c)] = corners else { continue };
         // Light around dark: it is seen on every colour.
         for stroke in [Stroke::new(4.0, Color32::WHITE), Stroke::new(1.8, Color32::BLACK)] {
-            painter.add(Shape::closed_line(vec![a, b, c], stroke));
+            // Side by side: a line around a sharp corner runs out into a spike as long as the picture.
+            for ends in [[a, b], [b, c], [c, a]] {
+                painter.line_segment(ends, stroke);
+            }
         }
     }
 }

@@ -53,8 +53,9 @@ pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
     }
     let mut on = |key: Key, action: Action| on_with(Modifiers::NONE, key, action);
     on(Key::F1, Action::ToggleHelp);
-    // An open list closes by itself, and nothing else does then.
-    if !Popup::is_any_open(context) {
+    // An open list closes by itself, and nothing else does then. The other keys are for its entries.
+    let is_list_open = Popup::is_any_open(context);
+    if !is_list_open {
         let escape = match () {
             () if app.panels.help => Action::ToggleHelp,
             () if app.aim.is_armed && !is_gallery => Action::StopAiming,
@@ -63,7 +64,7 @@ pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
         on(Key::Escape, escape);
     }
     on(Key::G, Action::ShowGallery(!is_gallery));
-    if is_gallery {
+    if is_gallery || is_list_open {
         return;
     }
     on(Key::Space, Action::TogglePlay);

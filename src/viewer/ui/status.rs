@@ -44,8 +44,14 @@ fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {
         _ if snapshot.over_after_s().is_some() => "at the end; play goes on".to_owned(),
         _ => "paused".to_owned(),
     };
-    let step =
-        if snapshot.stable_step_s.is_finite() { measured(snapshot.stable_step_s, "s") } else { "—".into() };
+    // Of the moment that is seen, as everything else here.
+    let row = snapshot.history.row_at(frame.time_s).filter(|_| app.player.is_back());
+    let stable_step_s = row.map_or(snapshot.stable_step_s, |row| row.stable_step_s);
+    let step = if stable_step_s.is_finite() && stable_step_s > 0.0 {
+        measured(stable_step_s, "s")
+    } else {
+        "—".into()
+    };
     let mut values = vec![
         ("t", measured(frame.time_s, "s"), "Simulated time"),
         ("real-time factor", speed, "Simulated time over time on the wall, over the last second"),
