@@ -60,6 +60,17 @@ fn settle(window: &mut Window) {
     wait(window, "commands", |app| !app.is_waiting());
 }
 
+/// A scene that is paused, whose material breaks by a formula.
+fn with_a_formula() -> Window {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    window.get_by_value("Never breaks").click();
+    settle(&mut window);
+    press(&mut window, "Formula");
+    window
+}
+
 fn press(window: &mut Window, label: &str) {
     window.get_by_label(label).click();
     settle(window);
@@ -287,12 +298,7 @@ fn a_body_is_pulled_with_the_mouse_saved_repeated_taken_back_and_done_again() {
 
 #[test]
 fn a_formula_is_told_where_it_is_wrong_while_it_is_typed() {
-    let mut window = window();
-    open(&mut window, "bounce");
-    press(&mut window, "Pause (space)");
-    window.get_by_value("Never breaks").click();
-    settle(&mut window);
-    press(&mut window, "Formula");
+    let mut window = with_a_formula();
     let typed = window.state().edits.criteria[0].formula.clone();
     // The field and the text in it.
     window.get_all_by_value(&typed).next().unwrap().click();

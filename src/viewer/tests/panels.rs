@@ -1,6 +1,6 @@
 //! The panels: what they tell, and how their lists and edges answer.
 
-use super::{drag, open, press, settle, wait, window};
+use super::{drag, open, press, settle, wait, window, with_a_formula};
 use egui::{Key, pos2};
 use egui_kittest::kittest::Queryable as _;
 
@@ -54,12 +54,7 @@ fn plots_tell_the_values_of_the_moment_looked_at() {
 /// A wrong formula is left out of a reset, which the button says; the material breaks as it did before.
 #[test]
 fn a_wrong_formula_is_left_out_of_a_reset() {
-    let mut window = window();
-    open(&mut window, "bounce");
-    press(&mut window, "Pause (space)");
-    window.get_by_value("Never breaks").click();
-    settle(&mut window);
-    press(&mut window, "Formula");
+    let mut window = with_a_formula();
     window.state_mut().edits.criteria[0].formula = "s1 - 7*MPa".to_owned();
     settle(&mut window);
     press(&mut window, "Reset to apply the changes  (R)");
@@ -86,12 +81,7 @@ fn a_wrong_formula_is_left_out_of_a_reset() {
 /// However long, an error is told to its end, and the panel stays as wide as it is.
 #[test]
 fn a_long_error_of_a_formula_is_wrapped() {
-    let mut window = window();
-    open(&mut window, "bounce");
-    press(&mut window, "Pause (space)");
-    window.get_by_value("Never breaks").click();
-    settle(&mut window);
-    press(&mut window, "Formula");
+    let mut window = with_a_formula();
     let viewport = window.state().viewport;
     window.state_mut().edits.criteria[0].formula =
         "s1 + s2 + s3 - 2*MPa + a_strength_with_a_name_that_has_no_end_and_is_no_parameter_of_it".to_owned();
