@@ -57,7 +57,8 @@ pub fn show(ui: &mut Ui, edits: &mut Edits, base: Option<&Scene>) {
             .icon(swatch(material.color_srgb))
             .show_unindented(ui, |ui| {
                 sliders(ui, material);
-                fracture::criterion(ui, criterion);
+                // Its lists are named alike for every material.
+                ui.push_id(&material.name, |ui| fracture::criterion(ui, criterion));
                 go_back(ui, (material, criterion), original);
                 ui.add_space(6.0);
             });
