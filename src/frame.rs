@@ -296,6 +296,12 @@ struct Patch {
 }
 
 impl BodyFrame {
+    /// Lowest and highest corner of the box around it, m.
+    #[must_use]
+    pub fn bounds_m(&self) -> Option<Bounds> {
+        bounds_of(self.positions_m.iter())
+    }
+
     fn patch(&self, triangle: [u32; 3]) -> Option<Patch> {
         let [a, b, c] = triangle.map(|corner| self.positions_m.get(corner as usize).copied());
         let [a, b, c] = [Vec3::from(a?), Vec3::from(b?), Vec3::from(c?)];

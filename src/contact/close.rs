@@ -126,13 +126,12 @@ impl CloseList {
         (states, thrown, pair): (&[TwinState], &ThrownNodes, &PairView),
     ) -> Candidates {
         // Up to which wakes of which clusters count.
-        let flies = self.ways.most_of_nodes(|side, node| f64::from(u8::from(thrown.is_due(side, node))));
+        let flies = self.ways.most_of_nodes(|side, node| thrown.is_due(side, node));
         let changes_m = self.ways.most_of_nodes(|side, node| thrown.of_node_m(side, node));
         let ways_m = self.ways.of_pairs().zip(flies).zip(changes_m);
         let due_m = ways_m.map(|(((before_m, ahead_m), flies), changes_m)| {
-            let is_any_due = flies.iter().any(|x| *x > 0.0);
             let change_m: f64 = changes_m.iter().sum();
-            if is_any_due { before_m + SPEED_UP * ahead_m + change_m } else { f64::NEG_INFINITY }
+            if flies.contains(&true) { before_m + SPEED_UP * ahead_m + change_m } else { f64::NEG_INFINITY }
         });
         let due_m: Vec<f64> = due_m.collect();
         let is_near = |wake_m: f64, pair: u32| {

@@ -20,6 +20,13 @@ struct Thrown {
     is_due: bool,
 }
 
+impl Thrown {
+    /// What it may still change of its way, m: from the way of its present velocity, which has changed already.
+    fn slack_m(&self) -> f64 {
+        self.allowed_m + self.change_m
+    }
+}
+
 impl ThrownNodes {
     /// No node has been thrown; two of them may come nearer to each other by `slack_m`.
     #[must_use]
@@ -57,9 +64,9 @@ impl ThrownNodes {
         self.nodes[side].get(node as usize).is_some_and(|node| node.is_due)
     }
 
-    /// What a node alone may still change of its way, m: from the way of its present velocity, which has changed already.
+    /// What a node alone may still change of its way, m.
     pub(super) fn of_node_m(&self, side: usize, node: u32) -> f64 {
-        self.nodes[side].get(node as usize).map_or(0.5 * self.slack_m, |n| n.allowed_m + n.change_m)
+        self.nodes[side].get(node as usize).map_or(0.5 * self.slack_m, Thrown::slack_m)
     }
 
     /// By how much features with these nodes of the body `side` and of the other may come nearer to each other, m.
@@ -75,8 +82,7 @@ impl ThrownNodes {
         if self.nodes[0].is_empty() {
             return self.slack_m;
         }
-        let of_node_m = |n: &Thrown| n.allowed_m + n.change_m;
-        let most_m = |nodes: &Vec<Thrown>| nodes.iter().map(of_node_m).fold(0.0, f64::max);
+        let most_m = |nodes: &Vec<Thrown>| nodes.iter().map(Thrown::slack_m).fold(0.0, f64::max);
         self.nodes.iter().map(most_m).sum()
     }
 }

@@ -253,12 +253,16 @@ impl Ways {
         self.pairs.iter().map(|pair| pair.ahead_m).fold(0.0, f64::max)
     }
 
-    /// By pair of clusters: the largest `value` (not below zero) of a node of the first and of the second, given the side and the
-    /// node.
-    pub fn most_of_nodes(&self, value: impl Fn(usize, u32) -> f64) -> impl Iterator<Item = [f64; 2]> {
-        let of_side = |(number, side): (usize, &Side)| -> Vec<f64> {
+    /// By pair of clusters: the largest `value` (not below its default) of a node of the first and of the second, given the
+    /// side and the node.
+    pub fn most_of_nodes<T: Copy + Default + PartialOrd>(
+        &self,
+        value: impl Fn(usize, u32) -> T,
+    ) -> impl Iterator<Item = [T; 2]> {
+        let of_side = |(number, side): (usize, &Side)| -> Vec<T> {
             let most = |range: &[usize]| {
-                side.nodes[range[0]..range[1]].iter().map(|n| value(number, *n)).fold(0.0, f64::max)
+                let values = side.nodes[range[0]..range[1]].iter().map(|n| value(number, *n));
+                values.fold(T::default(), |most, value| if value > most { value } else { most })
             };
             side.starts.windows(2).map(most).collect()
         };

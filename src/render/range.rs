@@ -153,13 +153,13 @@ fn round_off(body: &BodyFrame, color_by: ColorBy) -> f32 {
 }
 
 /// Zero instead of what is nothing but round-off.
-fn above(size: f32, round_off: f32) -> f32 {
-    if size <= round_off { 0.0 } else { size }
+fn above(value: f32, round_off: f32) -> f32 {
+    if value.abs() <= round_off { 0.0 } else { value }
 }
 
 /// A stress of a body, Pa; zero instead of round-off.
 pub(crate) fn stress_above_round_off_pa(stress_pa: f32, body: &BodyFrame) -> f32 {
-    if stress_pa.abs() <= round_off(body, ColorBy::VonMises) { 0.0 } else { stress_pa }
+    above(stress_pa, round_off(body, ColorBy::VonMises))
 }
 
 /// The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten, at or above `value`; 1 for zero.

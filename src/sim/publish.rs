@@ -89,7 +89,7 @@ fn scales(body: &Body, setup: &super::BodySetup) -> Scales {
     let most = |of: fn(&super::Material) -> f64| setup.materials.iter().map(of).fold(0.0, f64::max) as f32;
     Scales {
         stiffness_pa: most(|material| material.youngs_modulus_pa),
-        wave_speed_m_s: most(|material| (material.youngs_modulus_pa / material.density_kg_m3).sqrt()),
+        wave_speed_m_s: most(super::Material::bar_wave_speed_m_s),
         size_m: 2.0 * body.radius_m as f32,
     }
 }

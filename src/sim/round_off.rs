@@ -1,7 +1,7 @@
 //! How large the round-off of a world's balances is: what lies below is nothing that happens.
 
 use super::body::Body;
-use super::{BodySetup, World};
+use super::{BodySetup, Material, World};
 
 /// Strains below this come from rounding: digits of positions, over the size of elements in the size of scenes.
 const STRAIN: f64 = 1e-12;
@@ -36,8 +36,8 @@ impl World {
 /// A strain of the whole body, the waves that it makes, and the height of its place above the origin.
 fn of_body(body: &Body, setup: &BodySetup, gravity_m_s2: f64) -> RoundOff {
     let mass_kg = body.reference.mass_kg;
-    let squares = setup.materials.iter().map(|m| m.youngs_modulus_pa / m.density_kg_m3);
-    let wave_speed_m_s = squares.fold(0.0, f64::max).sqrt();
+    let speeds_m_s = setup.materials.iter().map(Material::bar_wave_speed_m_s);
+    let wave_speed_m_s = speeds_m_s.fold(0.0, f64::max);
     let momentum_kg_m_s = mass_kg * wave_speed_m_s * STRAIN;
     let reach_m = body.reference.centre_m.length() + body.radius_m;
     // E V = m c^2.

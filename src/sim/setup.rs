@@ -29,6 +29,11 @@ pub struct Material {
 }
 
 impl Material {
+    /// Speed of waves along a slender bar of it, m/s.
+    pub(super) fn bar_wave_speed_m_s(&self) -> f64 {
+        (self.youngs_modulus_pa / self.density_kg_m3).sqrt()
+    }
+
     /// An undamped grey material that never breaks.
     #[must_use]
     pub fn elastic(name: &str, density_kg_m3: f64, youngs_modulus_pa: f64, poisson_ratio: f64) -> Self {

@@ -1,7 +1,7 @@
 //! What a throw under way would bring in, before it is let go: the very body, built by the same words, and where it
 //! would have to start.
 
-use crate::frame::Frame;
+use crate::frame::{BodyFrame, Frame};
 use crate::mesh::{Surface, TetMesh};
 use crate::sim::raise_clear;
 use glam::{DVec3, Vec3};
@@ -51,17 +51,14 @@ impl Foreseen {
 
 /// The boxes around the bodies that are seen, m.
 fn boxes_m(frame: &Frame) -> Vec<(DVec3, DVec3)> {
-    let of_body = |positions_m: &Vec<[f32; 3]>| {
-        let points = positions_m.iter().map(|p| Vec3::from(*p).as_dvec3()).map(|p| (p, p));
-        points.reduce(|(low, high), (p, _)| (low.min(p), high.max(p)))
-    };
-    frame.bodies.iter().filter_map(|body| of_body(&body.positions_m)).collect()
+    let exact = |corner_m: [f32; 3]| Vec3::from(corner_m).as_dvec3();
+    let bounds = frame.bodies.iter().filter_map(BodyFrame::bounds_m);
+    bounds.map(|(low, high)| (exact(low), exact(high))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::BodyFrame;
 
     fn foreseen() -> Foreseen {
         let nodes_m = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];

@@ -139,15 +139,12 @@ impl Look {
     /// changes before somebody has turned it.
     pub fn settle(&mut self, snapshot: &Snapshot, aspect: f32) {
         let Some(scene) = snapshot.scene.as_ref() else { return };
-        match self.opening {
-            Opening::Waits => {}
-            Opening::Fitted { camera, aspect: known } if camera == self.camera => {
-                if known == aspect {
-                    return;
-                }
+        if let Opening::Fitted { camera, aspect: known } = self.opening {
+            if camera != self.camera {
+                self.opening = Opening::Over;
+            } else if known == aspect {
+                return;
             }
-            Opening::Fitted { .. } => self.opening = Opening::Over,
-            Opening::Over => {}
         }
         if self.opening == Opening::Over {
             return;

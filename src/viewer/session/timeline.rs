@@ -169,11 +169,15 @@ impl Session {
         true
     }
 
+    fn keyframe_before(&self, time_s: f64, edits: usize) -> Option<&Keyframe> {
+        let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
+        self.keyframes.iter().rev().find(is_before)
+    }
+
     /// The last run that was kept before a time and so many edits, and how many bodies had been thrown in by then: not the
     /// moment itself, but who was there.
     pub(super) fn run_before(&self, time_s: f64, edits: usize) -> Option<(&Run, usize)> {
-        let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
-        let keyframe = self.keyframes.iter().rev().find(is_before)?;
+        let keyframe = self.keyframe_before(time_s, edits)?;
         let since = self.edits.iter().take(edits).skip(keyframe.edits);
         let thrown = since.filter(|edit| matches!(edit.done, Done::Enter(..))).count();
         Some((&keyframe.run, keyframe.thrown + thrown))
@@ -181,9 +185,7 @@ impl Session {
 
     /// The run at a time, after so many edits.
     pub(super) fn run_at(&self, time_s: f64, edits: usize) -> Result<(Run, usize), SimError> {
-        let is_before = |keyframe: &&Keyframe| keyframe.time_s <= time_s && keyframe.edits <= edits;
-        let keyframe = self.keyframes.iter().rev().find(is_before);
-        let Some(keyframe) = keyframe else {
+        let Some(keyframe) = self.keyframe_before(time_s, edits) else {
             return Err(SimError::Setup("nothing of it is in memory".to_owned()));
         };
         let mut run = keyframe.run.clone();
