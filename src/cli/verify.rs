@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::{interrupt, report_pictures};
 use crate::export::{create_folder, write_whole};
 use crate::verify::report::{self, CaseReport};
-use crate::verify::{CASES, Case, CaseError, Effort, find};
+use crate::verify::{CASES, Case, CaseError, Effort, Turn, find};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use std::time::Instant;
 /// Arguments of `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// Cases to run, all by default
+    /// Cases to run, all by default but those that begin with `sweep-`, which take long
     #[arg(value_name = "CASE")]
     pub cases: Vec<String>,
     /// Fewer and smaller cases, in less than half a minute
@@ -107,7 +107,7 @@ fn chosen(args: &VerifyArgs) -> Result<Vec<&'static Case>, Failure> {
     }
     let wanted = |case: &&Case| {
         if args.cases.is_empty() {
-            case.is_quick || !args.quick
+            case.turn == Turn::Quick || (case.turn == Turn::Full && !args.quick)
         } else {
             args.cases.iter().any(|id| id == case.id)
         }

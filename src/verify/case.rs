@@ -2,7 +2,7 @@
 
 use super::cases::{
     beams, criteria, fracture, impact, incline, kinematics, patch, penalty, pile, rods, scenes, spin,
-    squeeze, waves,
+    squeeze, sweep, waves,
 };
 use super::{CaseError, Effort, Plot, Quantity};
 
@@ -29,6 +29,17 @@ impl From<Vec<Quantity>> for Outcome {
     }
 }
 
+/// When a case is run that was not asked for by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// Always, with `--quick`, too.
+    Quick,
+    /// When there is time.
+    Full,
+    /// Never: it takes minutes to hours.
+    Asked,
+}
+
 /// A verification case.
 #[derive(Clone, Copy)]
 pub struct Case {
@@ -36,8 +47,8 @@ pub struct Case {
     pub id: &'static str,
     /// What it compares with what.
     pub title: &'static str,
-    /// Whether `--quick` runs it.
-    pub is_quick: bool,
+    /// When it is run.
+    pub turn: Turn,
     measure: fn(&Effort) -> Result<Outcome, CaseError>,
 }
 
@@ -56,12 +67,24 @@ const fn case(
     title: &'static str,
     measure: fn(&Effort) -> Result<Outcome, CaseError>,
 ) -> Case {
-    Case { id, title, is_quick: true, measure }
+    Case { id, title, turn: Turn::Quick, measure }
 }
 
 /// A case that takes too long for `--quick`.
 const fn slow(case: Case) -> Case {
-    Case { is_quick: false, ..case }
+    Case { turn: Turn::Full, ..case }
+}
+
+/// A scene that breaks, under five criteria and at strengths from a tenth to ten times its own.
+macro_rules! sweep {
+    ($scene:literal) => {
+        Case {
+            turn: Turn::Asked,
+            ..case(concat!("sweep-", $scene), concat!($scene, " at any criterion and strength"), |effort| {
+                sweep::measure(effort, $scene)
+            })
+        }
+    };
 }
 
 /// All cases, in the order of the report.
@@ -89,6 +112,21 @@ pub const CASES: &[Case] = &[
     slow(case("pile-split", "the crack that runs along a pile", pile::measure_split)),
     case("spall", "a bar under sudden tension at both ends", fracture::measure_spall),
     case("penalty", "penalty springs against Lagrange multipliers", penalty::measure),
+    sweep!("bar-torn"),
+    sweep!("beam-notch"),
+    sweep!("beam-notch-fine"),
+    sweep!("pile-press"),
+    sweep!("pile-press-fine"),
+    sweep!("pile-split"),
+    sweep!("cube-wall"),
+    sweep!("cube-wall-fine"),
+    sweep!("plate-tensile"),
+    sweep!("plate-tensile-fine"),
+    sweep!("plates-compared"),
+    sweep!("glass-shot"),
+    sweep!("pane-shot"),
+    sweep!("mug-drop"),
+    sweep!("brick-pile"),
 ];
 
 /// The case of this name.

@@ -13,7 +13,7 @@ mod quantity;
 pub mod report;
 mod specimen;
 
-pub use case::{CASES, Case, Outcome, find};
+pub use case::{CASES, Case, Outcome, Turn, find};
 pub use effort::{CaseError, Effort};
 pub use plot::{Curve, Plot, Scale};
 pub use quantity::{Measure, Quantity};

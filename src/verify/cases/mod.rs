@@ -13,4 +13,5 @@ pub mod rods;
 pub mod scenes;
 pub mod spin;
 pub mod squeeze;
+pub mod sweep;
 pub mod waves;
