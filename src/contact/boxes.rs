@@ -1,9 +1,10 @@
 //! Fattened boxes around the triangles of a surface, in a bounding-volume hierarchy.
 //!
-//! They are built around the positions of one moment and stay valid until a node has moved further than the margin, so
-//! that the hierarchy is not touched in most steps (a Verlet list). Cuts are followed: boxes of triangles that are still
+//! They are put around the positions of one moment and stay valid until a node has moved further than the margin, so
+//! that they are not touched in most steps (a Verlet list). Cuts are followed: boxes of triangles that are still
 //! there stay, new ones are looked through one by one until they are many.
 
+use super::in_parts;
 use super::surface::ContactSurface;
 use crate::mesh::Renumbering;
 use glam::DVec3;
@@ -20,6 +21,8 @@ pub struct SurfaceBoxes {
     late: Vec<u32>,
     /// By triangle.
     boxes: Vec<Aabb>,
+    /// Around all of them.
+    bounds: Aabb,
     positions_m: Vec<DVec3>,
     margin_m: f64,
 }
@@ -48,24 +51,42 @@ impl SurfaceBoxes {
     /// Boxes around the straight paths of the surface from `start_m` to `end_m`, fattened.
     #[must_use]
     pub fn swept(surface: &ContactSurface, start_m: &[DVec3], end_m: &[DVec3], margin_m: f64) -> Self {
-        let boxes: Vec<Aabb> = surface
-            .triangles
-            .iter()
-            .map(|t| {
-                let ends = t.iter().flat_map(|n| [start_m[*n as usize], end_m[*n as usize]]);
-                box_around(ends, margin_m)
-            })
-            .collect();
         let mut found = Self {
             bvh: Bvh::new(),
             triangle_of_leaf: Vec::new(),
             late: Vec::new(),
-            boxes,
+            boxes: Vec::new(),
+            bounds: Aabb::new_invalid(),
             positions_m: start_m.to_vec(),
             margin_m,
         };
+        found.put_around(surface, [start_m, end_m]);
         found.build_hierarchy();
         found
+    }
+
+    /// The same boxes around the surface where it is by now. The hierarchy stays: neighbours are neighbours still.
+    pub fn move_to(&mut self, surface: &ContactSurface, positions_m: &[DVec3], margin_m: f64) {
+        self.margin_m = margin_m;
+        self.positions_m.clear();
+        self.positions_m.extend_from_slice(positions_m);
+        self.put_around(surface, [positions_m; 2]);
+        for (leaf, triangle) in (0_u32..).zip(&self.triangle_of_leaf) {
+            if let Some(triangle) = triangle {
+                self.bvh.insert_or_update_partially(self.boxes[*triangle as usize], leaf, 0.0);
+            }
+        }
+        self.bvh.refit(&mut BvhWorkspace::default());
+    }
+
+    fn put_around(&mut self, surface: &ContactSurface, ends_m: [&[DVec3]; 2]) {
+        let box_of = |t: &[u32; 3]| {
+            let ends = t.iter().flat_map(|n| ends_m.map(|end_m| end_m[*n as usize]));
+            box_around(ends, self.margin_m)
+        };
+        self.boxes = in_parts::map(&surface.triangles, BOXES_AT_ONCE, box_of);
+        let around = |all: Aabb, one: &Aabb| Aabb::new(all.mins.min(one.mins), all.maxs.max(one.maxs));
+        self.bounds = self.boxes.iter().fold(Aabb::new_invalid(), around);
     }
 
     fn build_hierarchy(&mut self) {
@@ -92,8 +113,12 @@ impl SurfaceBoxes {
             boxes[*triangle as usize] = box_around(corners_m, self.margin_m);
         }
         self.boxes = boxes;
-        for triangle in &mut self.triangle_of_leaf {
-            *triangle = triangle.and_then(|old| numbers.triangle_now(old));
+        for (leaf, triangle) in (0_u32..).zip(&mut self.triangle_of_leaf) {
+            let Some(old) = *triangle else { continue };
+            *triangle = numbers.triangle_now(old);
+            if triangle.is_none() {
+                self.bvh.remove(leaf);
+            }
         }
         let kept_late = self.late.iter().filter_map(|old| numbers.triangle_now(*old));
         self.late = kept_late.chain(numbers.new_triangles().iter().copied()).collect();
@@ -166,7 +191,7 @@ impl SurfaceBoxes {
     /// Box around everything.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.bvh.root_aabb()
+        self.bounds
     }
 
     /// Box of one node.
@@ -175,6 +200,8 @@ impl SurfaceBoxes {
     }
 }
 
+/// Triangles whose boxes one task makes.
+const BOXES_AT_ONCE: usize = 4096;
 /// Triangles that may come before the hierarchy is built anew: so many,
 const MOST_LATE: usize = 64;
 /// and this share of all, as its inverse: each is looked through one by one.

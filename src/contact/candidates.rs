@@ -1,7 +1,7 @@
 //! Which features may meet soon, by the boxes of their triangles.
 //!
 //! Pairs are enumerated by triangles; every node and edge is spoken for by one triangle only, so that none
-//! comes twice and no set of pairs is needed.
+//! comes twice and no set of pairs is needed. What is found is sorted, so that nothing depends on how it was searched.
 
 use super::boxes::{SurfaceBoxes, overlap};
 use super::in_parts;
@@ -18,7 +18,7 @@ pub struct Candidates {
     pub node_on_second: Vec<(u32, u32)>,
     /// Node of the second body, triangle of the first, ascending; empty for a body with itself.
     pub node_on_first: Vec<(u32, u32)>,
-    /// Edges of the first and of the second body.
+    /// Edges of the first and of the second body, ascending; for a body with itself the smaller number first.
     pub edge_pairs: Vec<(u32, u32)>,
     /// Of a body with itself: the twins that speak for an entry of `node_on_second` while they are together, or
     /// [`NO_TWINS`].
@@ -112,6 +112,7 @@ pub(super) fn between_triangles(
     }
     found.node_on_second.sort_unstable();
     found.node_on_first.sort_unstable();
+    found.edge_pairs.sort_unstable();
     found
 }
 
@@ -142,9 +143,11 @@ pub(super) fn within_triangles(own: &OwnFeatures, boxes: &SurfaceBoxes, pairs: &
         found.node_on_second.retain(|(node, triangle)| {
             !surface.triangles[*triangle as usize].contains(node) && own.node_may_touch(*node, *triangle)
         });
-        found.edge_pairs.retain(|(e1, e2)| {
-            let [p, q] = [e1, e2].map(|e| surface.edges[*e as usize].nodes);
-            p.iter().all(|n| !q.contains(n)) && own.edges_may_touch(*e1, *e2)
+        found.edge_pairs.retain_mut(|pair| {
+            let (e1, e2) = *pair;
+            *pair = (e1.min(e2), e1.max(e2));
+            let [p, q] = [e1, e2].map(|e| surface.edges[e as usize].nodes);
+            p.iter().all(|n| !q.contains(n)) && own.edges_may_touch(e1, e2)
         });
         found
     };
@@ -159,6 +162,7 @@ pub(super) fn within_triangles(own: &OwnFeatures, boxes: &SurfaceBoxes, pairs: &
         found.edge_pairs.extend(part.edge_pairs);
     }
     found.node_on_second.par_sort_unstable();
+    found.edge_pairs.par_sort_unstable();
     found
 }
 

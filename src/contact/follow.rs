@@ -30,7 +30,7 @@ impl Candidates {
             pairs.extend(cut.affected_triangles().iter().flat_map(|t| near(t).map(|u| (u, *t))));
         }
         let found = between_triangles(first, second, &pairs, false);
-        self.with_new(found.only_affected([first.0, second.0], numbers), numbers)
+        self.with_new(found.only_affected([first.0, second.0], numbers), numbers, false)
     }
 
     /// These of a body with itself after it was cut; its boxes have followed.
@@ -46,7 +46,7 @@ impl Candidates {
         let pairs: Vec<(u32, u32)> = affected.iter().flat_map(|t| near(*t).map(|u| (*t, u))).collect();
         let numbers = [Some(numbers); 2];
         let found = within_triangles(own, boxes, &pairs).only_affected([own.surface; 2], numbers);
-        let (all, origins) = self.with_new(found, numbers);
+        let (all, origins) = self.with_new(found, numbers, true);
         (all.with_twins(own.surface), origins)
     }
 
@@ -64,23 +64,27 @@ impl Candidates {
     }
 
     /// Those without affected features, under their present numbers, and the new ones.
-    fn with_new(&self, new: Self, numbers: OfPair) -> (Self, Origins) {
+    fn with_new(&self, new: Self, numbers: OfPair, is_own: bool) -> (Self, Origins) {
         let node = |side: usize, n: u32| numbers[side].is_none_or(|cut| !cut.is_affected(n)).then_some(n);
         let triangle =
             |side: usize, t: u32| numbers[side].map_or(Some(t), |cut| cut.unaffected_triangle_now(t));
         let edge = |side: usize, e: u32| numbers[side].map_or(Some(e), |cut| cut.unaffected_edge_now(e));
-        let nodes = |old: &[(u32, u32)], new: Vec<(u32, u32)>, own: usize| {
-            let mut all = kept(old, |(n, t)| Some((node(own, n)?, triangle(1 - own, t)?)));
+        let merged = |mut all: Vec<((u32, u32), Option<u32>)>, new: Vec<(u32, u32)>| {
             all.extend(new.into_iter().map(|entry| (entry, None)));
-            // Two runs that are sorted by themselves: the stable sort sees that and merges them.
+            // Two runs that are sorted by themselves, or nearly so: the stable sort sees that and merges them.
             all.sort();
             all.into_iter().unzip()
         };
+        let nodes = |old: &[(u32, u32)], new: Vec<(u32, u32)>, own: usize| {
+            merged(kept(old, |(n, t)| Some((node(own, n)?, triangle(1 - own, t)?))), new)
+        };
         let (node_on_second, from_second) = nodes(&self.node_on_second, new.node_on_second, 0);
         let (node_on_first, from_first) = nodes(&self.node_on_first, new.node_on_first, 1);
-        let mut edges = kept(&self.edge_pairs, |(e, f)| Some((edge(0, e)?, edge(1, f)?)));
-        edges.extend(new.edge_pairs.into_iter().map(|entry| (entry, None)));
-        let (edge_pairs, from_edges) = edges.into_iter().unzip();
+        let edges = kept(&self.edge_pairs, |(e, f)| {
+            let (e, f) = (edge(0, e)?, edge(1, f)?);
+            Some(if is_own { (e.min(f), e.max(f)) } else { (e, f) })
+        });
+        let (edge_pairs, from_edges) = merged(edges, new.edge_pairs);
         let origins =
             Origins { node_on_second: from_second, node_on_first: from_first, edge_pairs: from_edges };
         (Self { node_on_second, node_on_first, edge_pairs, ..Self::default() }, origins)

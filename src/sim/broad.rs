@@ -63,10 +63,12 @@ struct OwnBoxes {
 }
 
 impl OwnBoxes {
-    fn around(body: &Body, stamp: u64, time_s: f64) -> Self {
+    /// Puts boxes around the body as it is, those that were around it before if there are any.
+    fn around(body: &Body, before: Option<Self>, time_s: f64) -> Self {
         let margin = if body.surface.has_cracked() { CRACKED_MARGIN } else { OWN_MARGIN };
         let margin_m = margin * body.mean_size_m;
-        let boxes = SurfaceBoxes::around(&body.surface, &body.position_m, margin_m);
+        let stamp = before.as_ref().map_or(0, |own| own.stamp + 1);
+        let boxes = put_around(body, before.map(|own| own.boxes), margin_m);
         let spare_m = OWN_SHARE * margin_m;
         Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m, time_s }
     }
@@ -285,10 +287,9 @@ impl BroadPhase {
 
 impl Entry {
     fn renew_own(&mut self, body: &Body, time_s: f64) {
-        let stamp = self.own.as_ref().map_or(0, |own| own.stamp + 1);
         let is_valid = self.own.as_mut().is_some_and(|own| !own.is_outrun(body, time_s));
         if !is_valid {
-            self.own = Some(OwnBoxes::around(body, stamp, time_s));
+            self.own = Some(OwnBoxes::around(body, self.own.take(), time_s));
         }
     }
 
@@ -311,8 +312,20 @@ impl Entry {
         }
         let (size_m, way_m) = (MARGIN * body.mean_size_m, step_s * fastest_m_s(body));
         let ahead_m = (MOST_MARGIN_STEPS * way_m).min(size_m.max(MARGIN_STEPS * way_m));
-        self.boxes = Some(SurfaceBoxes::around(&body.surface, &body.position_m, size_m + ahead_m));
+        self.boxes = Some(put_around(body, self.boxes.take(), size_m + ahead_m));
         self.stamp += 1;
+    }
+}
+
+/// Boxes around a body where it is now.
+fn put_around(body: &Body, before: Option<SurfaceBoxes>, margin_m: f64) -> SurfaceBoxes {
+    let (surface, positions_m) = (&body.surface, body.position_m.as_slice());
+    match before {
+        Some(mut boxes) => {
+            boxes.move_to(surface, positions_m, margin_m);
+            boxes
+        }
+        None => SurfaceBoxes::around(surface, positions_m, margin_m),
     }
 }
 
