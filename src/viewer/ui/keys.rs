@@ -23,9 +23,9 @@ pub const KEYS: [(&str, &str); 19] = [
     ("W", "edges of the elements"),
     ("C", "cut the bodies open, or close them again"),
     ("X", "stress crosses"),
-    ("G", "the scenes"),
+    ("G", "the scenes, or back from them"),
     ("F1", "this help"),
-    ("Esc", "close a list, help, stop throwing, close the message"),
+    ("Esc", "close a list, help, the message or the scenes, stop throwing"),
 ];
 
 const DIGITS: [Key; 9] =
@@ -59,6 +59,10 @@ pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
         let escape = match () {
             () if app.panels.help => Action::ToggleHelp,
             () if app.aim.is_armed && !is_gallery => Action::StopAiming,
+            // What went wrong is read first; what only says what was done goes by itself.
+            () if is_gallery && (app.notice().is_none() || app.is_notice_passing()) => {
+                Action::ShowGallery(false)
+            }
             () => Action::DismissNotice,
         };
         on(Key::Escape, escape);

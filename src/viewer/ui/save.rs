@@ -97,4 +97,8 @@ fn animation(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let pictures = app.animation_times().len();
     let text = format!("{pictures} pictures of {} to {}", measured(from_s, "s"), measured(to_s, "s"));
     ui.label(RichText::new(text).small().weak());
+    if let Some(lacks) = app.animation_lacks() {
+        let (_, color) = style::warning_colors(ui.visuals().dark_mode);
+        ui.label(RichText::new(lacks).small().color(color));
+    }
 }
