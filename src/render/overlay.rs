@@ -172,7 +172,7 @@ struct Backing {
 
 impl Backing {
     /// Space between the texts and the edge of the sheet, points.
-    const PADDING: f32 = 7.0;
+    const PADDING: f32 = 5.0;
 
     fn begin(painter: &Painter) -> Self {
         Self { shape: painter.add(egui::Shape::Noop), covered: Rect::NOTHING }
@@ -226,6 +226,9 @@ fn draw_legend(painter: &Painter, area: Rect, view: &View, range: Range, theme: 
     let mut backing = Backing::begin(painter);
     let drawn = painter.text(corner, Align2::RIGHT_TOP, title, font, rgb(theme.text_srgb));
     backing.cover(drawn);
+    backing.lay(painter, theme);
+    // Another one for what is below: it is narrower, and bodies are hidden as little as can be.
+    let mut backing = Backing::begin(painter);
     let [is_open_below, is_open_above] = view.open_ends(range);
     let bar = Rect::from_min_size(
         pos2(corner.x - BAR_WIDTH, drawn.bottom() + 10.0 + if is_open_above { POINT_LENGTH } else { 0.0 }),

@@ -203,14 +203,16 @@ impl Seeing {
     /// What pictures of these frames lack, in words after their number: some may have been recorded without what is inside.
     #[must_use]
     pub fn lacks<'a>(&self, frames: impl Iterator<Item = &'a Frame>) -> Option<String> {
-        let count = frames.filter(|frame| self.needs_interior() && !has_interior(frame)).count();
+        let lacks = frames.map(|frame| self.needs_interior() && !has_interior(frame));
+        let [count, all] = lacks.fold([0, 0], |[count, all], lacks| [count + usize::from(lacks), all + 1]);
         let what = match (self.cut.is_some(), self.with_crosses) {
             (true, true) => "a section and stress crosses",
             (true, false) => "a section, only open",
             _ => "stress crosses",
         };
-        let why = "recorded while neither cut nor crosses were on";
-        (count > 0).then(|| format!("{count} of them without {what}: {why}"))
+        let how_many = if count == all { "all".to_owned() } else { count.to_string() };
+        let why = "recorded while neither cut nor crosses were on. Again (Shift R) records them anew";
+        (count > 0).then(|| format!("{how_many} of them without {what}: {why}"))
     }
 
     /// The frame as it is drawn.

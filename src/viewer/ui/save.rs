@@ -99,6 +99,6 @@ fn animation(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ui.label(RichText::new(text).small().weak());
     if let Some(lacks) = app.animation_lacks() {
         let (_, color) = style::warning_colors(ui.visuals().dark_mode);
-        ui.label(RichText::new(lacks).small().color(color));
+        ui.label(RichText::new(format!("{lacks}.")).small().color(color));
     }
 }
