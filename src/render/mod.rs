@@ -74,7 +74,7 @@ mod view;
 pub use camera::{Camera, NamedView, Ray, UnknownView};
 pub use canvas::paint;
 pub use color_map::{ColorMap, body_srgb};
-pub use crosses::{cross_room_m, cross_scale_pa, look_inside};
+pub use crosses::{cross_room_m, cross_scale_pa, has_visible_lines, look_inside};
 pub use framing::{Floor, Framing};
 pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};
 pub use off_screen::{OffScreen, Picture};

@@ -642,7 +642,8 @@ impl App {
     }
 }
 
-fn in_a_sentence(text: &str) -> String {
+/// A text with a large letter at its beginning.
+pub fn in_a_sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
     format!("{first}{}", letters.as_str())

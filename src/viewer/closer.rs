@@ -211,7 +211,8 @@ impl Seeing {
             _ => "stress crosses",
         };
         let how_many = if count == all { "all".to_owned() } else { count.to_string() };
-        let why = "recorded while neither cut nor crosses were on. Again (Shift R) records them anew";
+        let why =
+            "recorded while neither cut nor crosses were on. Reset or Again, and play, to record them anew";
         (count > 0).then(|| format!("{how_many} of them without {what}: {why}"))
     }
 

@@ -2,6 +2,7 @@
 
 use super::App;
 use crate::frame::Frame;
+use crate::render::has_visible_lines;
 use crate::viewer::closer::{Seeing, has_interior};
 use crate::viewer::exploded::exploded;
 use crate::viewer::snapshot::Command;
@@ -28,6 +29,14 @@ impl App {
     #[must_use]
     pub fn cut_is_beside_m(&self) -> Option<[f32; 2]> {
         self.seen.as_ref().and_then(|seen| seen.beside_m)
+    }
+
+    /// Whether there are stress crosses, but all of them too short to be seen beside the largest stress seen before.
+    #[must_use]
+    pub fn are_crosses_too_short(&self) -> bool {
+        let crosses = &self.drawn().crosses;
+        let scale_pa = self.look.view(1.0).cross_scale_pa;
+        !crosses.is_empty() && scale_pa.is_some_and(|scale_pa| !has_visible_lines(crosses, scale_pa))
     }
 
     /// What the camera takes in: whole bodies, but where they are drawn.

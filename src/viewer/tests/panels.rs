@@ -50,6 +50,18 @@ fn enter_chooses_and_closes_an_open_list() {
     assert_eq!(window.state().look.color_by, crate::frame::ColorBy::ALL[1]);
 }
 
+/// While somebody types, letters are no shortcuts, but there is help.
+#[test]
+fn help_opens_while_somebody_types() {
+    let mut window = with_a_formula();
+    window.get_all_by_value("s1 - 1*MPa").next().unwrap().click();
+    settle(&mut window);
+    window.key_press(Key::T);
+    window.key_press(Key::F1);
+    settle(&mut window);
+    assert!(window.state().panels.help && !window.state().aim.is_armed);
+}
+
 #[test]
 fn escape_leaves_the_gallery() {
     let mut window = window();

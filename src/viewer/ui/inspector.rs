@@ -30,6 +30,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
 
 fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let has_nothing_to_explode = app.look.explode > 0.0 && !is_in_pieces(app.shown());
+    let are_crosses_too_short = app.are_crosses_too_short();
     let look = &mut app.look;
     let before = look.color_by;
     row(ui, "Colour by", |ui| {
@@ -99,7 +100,12 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     if ui.button(text).on_hover_text(hint).clicked() {
         actions.push(Action::FitToNow);
     }
-    if fits_colors && look.closer.with_crosses {
+    if are_crosses_too_short {
+        small(
+            ui,
+            "Beside the largest stress seen so far, all crosses of this moment are too short to be drawn.",
+        );
+    } else if fits_colors && look.closer.with_crosses {
         small(
             ui,
             "Both measure the largest that is seen: colours since they were chosen, crosses since they were switched on.",

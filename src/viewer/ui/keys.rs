@@ -31,9 +31,13 @@ pub const KEYS: [(&str, &str); 19] = [
 const DIGITS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
-/// Reads the keys of this frame, unless somebody is typing.
+/// Reads the keys of this frame; while somebody is typing, F1 alone.
 pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
     let is_gallery = app.is_gallery;
+    // No field takes it for a letter.
+    if context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::F1)) {
+        actions.push(Action::ToggleHelp);
+    }
     if context.egui_wants_keyboard_input() {
         return;
     }
@@ -52,7 +56,6 @@ pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
         on_with(Modifiers::COMMAND, Key::S, Action::Save(SaveKind::Scene));
     }
     let mut on = |key: Key, action: Action| on_with(Modifiers::NONE, key, action);
-    on(Key::F1, Action::ToggleHelp);
     // An open list closes by itself, and nothing else does then. The other keys are for its entries.
     let is_list_open = Popup::is_any_open(context);
     if !is_list_open {

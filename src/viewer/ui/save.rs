@@ -2,7 +2,7 @@
 
 use super::widgets::measured;
 use super::{Action, style};
-use crate::viewer::app::{App, SaveKind};
+use crate::viewer::app::{App, SaveKind, in_a_sentence};
 use egui::{Align, Button, DragValue, Layout, ProgressBar, RichText, TextEdit, Ui};
 use std::path::Path;
 
@@ -99,6 +99,6 @@ fn animation(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ui.label(RichText::new(text).small().weak());
     if let Some(lacks) = app.animation_lacks() {
         let (_, color) = style::warning_colors(ui.visuals().dark_mode);
-        ui.label(RichText::new(format!("{lacks}.")).small().color(color));
+        ui.label(RichText::new(in_a_sentence(&lacks) + ".").small().color(color));
     }
 }
