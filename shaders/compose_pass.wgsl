@@ -6,21 +6,7 @@
 @group(1) @binding(1) var floor_light: texture_2d<f32>;
 @group(1) @binding(2) var floor_light_sampler: sampler;
 
-struct VertexOutput {
-    @builtin(position) position: vec4<f32>,
-    // From the eye through the pixel, any length.
-    @location(0) ray: vec3<f32>,
-    // 0 at the bottom of the picture, 1 at the top.
-    @location(1) height: f32,
-}
-
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> VertexOutput {
-    let corner = vec2<f32>(f32((index << 1u) & 2u), f32(index & 2u));
-    let ray = frame.ray_corner + frame.ray_right * corner.x + frame.ray_up * corner.y;
-    return VertexOutput(vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0), ray, corner.y);
-}
-
+// `height` is 0 at the bottom of the picture, 1 at the top.
 fn studio(ray: vec3<f32>, height: f32) -> vec3<f32> {
     let background =
         mix(frame.background_low, frame.background_high, smoothstep(0.0, 1.0, height));
@@ -30,11 +16,10 @@ fn studio(ray: vec3<f32>, height: f32) -> vec3<f32> {
         return background;
     }
     let ground = frame.eye.xy - ray.xy * (above / ray.z);
-    let away = distance(ground, frame.floor_center) / frame.floor_radius;
-    if away >= 0.9 {
-        return background;
-    }
-    let lit = mix(frame.floor_color, background, smoothstep(0.12, 0.9, away));
+    // Nearly linear over the picture, from 1 at the middle to 0 at the horizon: the floor has no edge, however far it is
+    // seen from.
+    let near = 1.0 / (1.0 + distance(ground, frame.floor_center) / frame.floor_radius);
+    let lit = mix(background, frame.floor_color, smoothstep(0.0, 0.75, near));
     let place = (ground - frame.floor_map_low) / frame.floor_map_side;
     if any(place <= vec2<f32>(0.0)) || any(place >= vec2<f32>(1.0)) {
         return lit;
@@ -47,23 +32,25 @@ fn studio(ray: vec3<f32>, height: f32) -> vec3<f32> {
     return lit * key * ambient;
 }
 
-fn composed(in: VertexOutput) -> vec3<f32> {
+fn composed(in: Covered) -> vec3<f32> {
     let pixel = vec2<i32>(in.position.xy - frame.picture_origin);
     let body = textureLoad(bodies, pixel, 0);
     if body.a >= 1.0 {
         return body.rgb;
     }
-    return body.rgb + (1.0 - body.a) * encoded(studio(in.ray, in.height)).rgb;
+    // From the eye through the pixel, any length.
+    let ray = frame.ray_corner + frame.ray_right * in.place.x + frame.ray_up * in.place.y;
+    return body.rgb + (1.0 - body.a) * encoded(studio(ray, in.place.y)).rgb;
 }
 
 @fragment
-fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+fn fragment(in: Covered) -> @location(0) vec4<f32> {
     return vec4<f32>(composed(in), 1.0);
 }
 
 // For targets that encode by themselves.
 @fragment
-fn linear_fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+fn linear_fragment(in: Covered) -> @location(0) vec4<f32> {
     let srgb = composed(in);
     let curve = pow((srgb + 0.055) / 1.055, vec3<f32>(2.4));
     return vec4<f32>(select(curve, srgb / 12.92, srgb <= vec3<f32>(0.04045)), 1.0);

@@ -3,12 +3,6 @@
 @group(0) @binding(0) var map: texture_2d<f32>;
 @group(0) @binding(1) var map_sampler: sampler;
 
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
-    let corner = vec2<f32>(f32((index << 1u) & 2u), f32(index & 2u));
-    return vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0);
-}
-
 @fragment
 fn fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec2<f32> {
     let texel = 1.0 / vec2<f32>(textureDimensions(map));

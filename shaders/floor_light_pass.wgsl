@@ -11,18 +11,6 @@ override search_taps: i32 = 10;
 override shadow_taps: i32 = 16;
 override ambient_taps: i32 = 12;
 
-struct VertexOutput {
-    @builtin(position) position: vec4<f32>,
-    // 0..1 over the map, y along the world's y.
-    @location(0) place: vec2<f32>,
-}
-
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> VertexOutput {
-    let corner = vec2<f32>(f32((index << 1u) & 2u), f32(index & 2u));
-    return VertexOutput(vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0), corner);
-}
-
 // Evenly over the unit disk. Each of 4x4 neighbouring texels turns the pattern by another share
 // of its pitch; the blur that follows averages just these sixteen, which leaves no pattern.
 fn disk_tap(i: i32, count: i32, turn: f32) -> vec2<f32> {
@@ -98,7 +86,7 @@ fn ambient_visibility(place: vec2<f32>, turn: f32) -> f32 {
 }
 
 @fragment
-fn fragment(in: VertexOutput) -> @location(0) vec2<f32> {
+fn fragment(in: Covered) -> @location(0) vec2<f32> {
     let ground = frame.floor_map_low + in.place * frame.floor_map_side;
     let point = vec3<f32>(ground, frame.floor_height);
     let turn = turn_at(in.position.xy);

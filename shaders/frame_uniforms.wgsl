@@ -20,7 +20,7 @@ struct FrameUniforms {
     // World z of the floor.
     floor_height: f32,
     bounce_light: vec3<f32>,
-    // Distance from `floor_center` at which the floor has become background.
+    // Distance from `floor_center` at which a quarter of the floor has become background.
     floor_radius: f32,
     rim_light: vec3<f32>,
     // Row of the colour map, 0..1 as a texture coordinate.

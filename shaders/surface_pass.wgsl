@@ -9,8 +9,8 @@
 struct VertexInput {
     @builtin(vertex_index) index: u32,
     @location(0) position: vec3<f32>,
-    // Unit normal, and 1 on crack faces; elsewhere 1/32767 times a bit for each edge at which a crack
-    // reaches the skin, bit k for the edge opposite to corner k.
+    // Unit normal, and 1 on crack faces; elsewhere 1/32767 times a bit for each edge that is a dark line, bit k for
+    // the edge opposite to corner k: where a crack reaches the skin, and around sections.
     @location(1) normal_and_crack: vec4<f32>,
     // sRGB, and gloss.
     @location(2) color_and_gloss: vec4<f32>,

@@ -17,6 +17,8 @@ pub struct SurfaceTopology {
     pub triangle_material: Vec<u32>,
     /// Whether the triangle is a crack face, born by fracture; gets its own tint.
     pub triangle_is_crack: Vec<bool>,
+    /// Whether the triangle is part of a section, where a body is cut open for the eye; empty in whole bodies.
+    pub triangle_is_section: Vec<bool>,
     /// Fragment that the triangle belongs to, counted from 0 in each body; empty where nothing breaks.
     pub triangle_fragment: Vec<u32>,
     /// Tetrahedron behind each triangle, an index into the body's elements.

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use crate::frame::{ColorBy, UnknownColorBy};
+use crate::scene::nearest;
 use clap::Args;
 
 /// Options that every subcommand has.
@@ -15,7 +16,7 @@ pub struct CommonArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     #[arg(help_heading = "Everywhere")]
     pub threads: Option<u16>,
-    /// Say nothing but errors and the results asked for
+    /// Say nothing but errors, the results asked for, and what came to nothing
     #[arg(long, short, help_heading = "Everywhere")]
     pub quiet: bool,
 }
@@ -122,9 +123,12 @@ pub fn parse_factor(text: &str) -> Result<f64, String> {
 /// Reads what surfaces are coloured by.
 ///
 /// # Errors
-/// The choices, for clap to print.
+/// The choices, and the nearest of them, for clap to print.
 pub fn parse_color_by(text: &str) -> Result<ColorBy, String> {
-    text.parse().map_err(|error: UnknownColorBy| error.to_string())
+    text.parse().map_err(|error: UnknownColorBy| match nearest(text, ColorBy::ALL.map(ColorBy::name)) {
+        Some(name) => format!("did you mean `{name}`? {error}"),
+        None => error.to_string(),
+    })
 }
 
 /// Width and height of a picture in pixels.
@@ -182,6 +186,18 @@ mod tests {
             assert!(parse_time(text).is_err(), "{text}");
         }
         assert!(parse_duration("0ms").is_err());
+    }
+
+    #[test]
+    fn slips_in_fields_find_the_field() {
+        assert_eq!(parse_color_by("von_mises"), Ok(ColorBy::VonMises));
+        for (text, field) in [("vonmises", "von-mises"), ("sped", "speed"), ("failure", "failure-index")] {
+            let told = parse_color_by(text).unwrap_err();
+            assert!(told.starts_with(&format!("did you mean `{field}`? cannot")), "{told}");
+        }
+        assert!(
+            parse_color_by("beauty").unwrap_err().starts_with("cannot colour by 'beauty'; choose one of")
+        );
     }
 
     #[test]

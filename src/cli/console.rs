@@ -12,7 +12,7 @@ pub struct Console {
 }
 
 impl Console {
-    /// A console; a quiet one says nothing but results that were asked for and errors.
+    /// A console; a quiet one says nothing but results that were asked for, errors, and what came to nothing.
     pub fn new(quiet: bool) -> Self {
         Self { quiet }
     }
@@ -42,6 +42,12 @@ impl Console {
             // Notes are a courtesy: without a stderr the work goes on.
             let _ = writeln!(io::stderr(), "{line}");
         }
+    }
+
+    /// Says on stderr that something that was asked for came to nothing, quiet or not: the results are not what they were
+    /// meant to be, and do not show it by themselves.
+    pub fn came_to_nothing(&self, what: impl std::fmt::Display) {
+        let _ = writeln!(io::stderr(), "warning: {what}");
     }
 
     /// A progress bar over simulated time, visible only on a terminal.

@@ -163,12 +163,7 @@ impl Looking {
 
     fn note_cut(&mut self, frame: &Frame, plane: &Cut) {
         for body in frame.moving() {
-            let places = body.positions_m.iter().map(|point| plane.beyond_m(*point));
-            let places = places.filter(|beyond_m| beyond_m.is_finite());
-            let Some([low, high]) = places.map(|m| [m, m]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
-            else {
-                continue;
-            };
+            let Some([low, high]) = plane.reach_m(body) else { continue };
             self.has_cut |= low <= 0.0 && high >= 0.0;
             let [known_low, known_high] = self.reached_m.unwrap_or([low, high]);
             self.reached_m = Some([known_low.min(low), known_high.max(high)]);

@@ -82,7 +82,7 @@ impl PictureSink {
             prepare_folder(path, force, console)?;
             return Ok(Self::Folder { folder: path.to_owned(), next: 0 });
         }
-        check_writable(path)?;
+        check_writable(path, console)?;
         let path = path.to_owned();
         Ok(match kind {
             OutputKind::Gif => {
@@ -137,12 +137,16 @@ impl PictureSink {
     }
 }
 
-/// Finds out before the simulation whether the picture can be written after it.
-pub fn check_writable(path: &Path) -> Result<(), Failure> {
+/// Finds out before the simulation whether the picture can be written after it, and says what it will take the place of.
+pub fn check_writable(path: &Path, console: &Console) -> Result<(), Failure> {
     let trial = partial_name(path);
     std::fs::write(&trial, b"")
         .and_then(|()| std::fs::remove_file(&trial))
-        .map_err(|error| Failure::from(ExportError::io("write", path)(error)).before_the_run())
+        .map_err(|error| Failure::from(ExportError::io("write", path)(error)).before_the_run())?;
+    if path.exists() {
+        console.note(format_args!("replacing `{}`", path.display()));
+    }
+    Ok(())
 }
 
 const PREFIX: &str = "frame-";

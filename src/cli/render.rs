@@ -53,7 +53,7 @@ impl From<PanelState> for WindowState {
 pub struct RenderArgs {
     /// Built-in scene or scene file
     pub scene: String,
-    /// What to write: a .png (one moment), a .gif, or a folder of numbered PNGs
+    /// What to write: a .png (one moment), a .gif, or a folder of numbered PNGs; what is there under that name is replaced
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// Width and height in pixels
@@ -182,7 +182,7 @@ fn draw_window(
             "`--panels` draws the window at one moment; name the output something.png".to_owned(),
         ));
     }
-    check_writable(&args.output)?;
+    check_writable(&args.output, console)?;
     let size_px = args.size.map_or(WINDOW_PX, |size| [size.width, size.height]);
     let at_s = args.at.or(args.duration).unwrap_or(duration_s);
     let camera = args.camera.as_deref().map(str::parse).transpose();
@@ -234,7 +234,7 @@ fn simulate(world: &mut World, shot: &Shot, console: &Console) -> (Film, Result<
         film.frames.push(looking.look(frame));
     }
     if let Some(doubt) = looking.doubt() {
-        console.note(format_args!("warning: {doubt}"));
+        console.came_to_nothing(doubt);
     }
     (film, Ok(Arrival::Reached))
 }

@@ -83,14 +83,37 @@ pub fn mohr_envelope(
         [0.5 * (high + low), 0.5 * (high - low)]
     };
     let circles: Vec<[f64; 2]> = points_pa.into_iter().map(circle).collect();
+    // The angle from the sigma axis at which two neighbours are touched, `cos t = -R'`.
     let touch = |pair: &[[f64; 2]]| {
-        let [[c0, r0], [c1, r1]] = [pair[0], pair[1]];
-        let slope = (r1 - r0) / (c1 - c0);
-        let (c, r) = (f64::midpoint(c0, c1), f64::midpoint(r0, r1));
+        let slope = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
         // Where they lie inside each other circles have no line to touch.
-        (slope.abs() <= 1.0).then(|| [c - r * slope, r * (1.0 - slope * slope).sqrt()])
+        (slope.abs() <= 1.0 + SLOPE_ROUND_OFF).then(|| (-slope).clamp(-1.0, 1.0).acos())
     };
-    Ok(circles.windows(2).filter_map(touch).collect())
+    let touches: Vec<Option<f64>> = circles.windows(2).map(touch).collect();
+    let mut line = Vec::new();
+    for (index, pair) in circles.windows(2).enumerate() {
+        let Some(touch_rad) = touches[index] else { continue };
+        // Around a corner of the meridian it follows the circle there.
+        let before_rad = index.checked_sub(1).and_then(|before| touches[before]);
+        if let Some(turn_rad) = before_rad.map(|before_rad| before_rad - touch_rad) {
+            let steps = (turn_rad / LARGEST_TURN_RAD).floor().max(0.0) as u32;
+            let on_arc = |step: u32| touch_rad + turn_rad * f64::from(step) / f64::from(steps + 1);
+            line.extend((1..=steps).rev().map(|step| on_circle(pair[0], on_arc(step))));
+        }
+        let between = [0, 1].map(|k| f64::midpoint(pair[0][k], pair[1][k]));
+        line.push(on_circle(between, touch_rad));
+    }
+    Ok(line)
+}
+
+/// How far beyond 1 a slope of radii may lie by round-off: circles that all touch in one point have just 1.
+const SLOPE_ROUND_OFF: f64 = 1e-9;
+/// Largest turn of Mohr's envelope from a point to the next, radians.
+const LARGEST_TURN_RAD: f64 = 0.08;
+
+/// The point of a circle of middle and radius, at an angle from the sigma axis.
+fn on_circle([middle, radius]: [f64; 2], angle_rad: f64) -> [f64; 2] {
+    [middle + radius * angle_rad.cos(), radius * angle_rad.sin()]
 }
 
 /// Deviatoric section at a mean stress: distance from the axis, Pa, at `count` equally spaced
@@ -372,6 +395,32 @@ mod tests {
         let mises = criterion(Strength::VonMises { shear_strength_pa: K });
         let level = mohr_envelope(&mises, FRAC_PI_6, 10, &RANGE).unwrap();
         assert!(level.len() == 9 && level.iter().all(|[_, tau]| (tau - K).abs() < 1e-3), "{level:?}");
+    }
+
+    /// A formula with a corner: level as von Mises is, then around the last circle that tension allows, to its strength.
+    #[test]
+    fn the_envelope_goes_around_corners_on_the_circle_there() {
+        use crate::fracture::Formula;
+        let formula = Formula::new("max(s1 - F, sqrt(J2) - K)", &[("F", 0.5 * K), ("K", K)]).unwrap();
+        let line = mohr_envelope(&criterion(Strength::Formula(formula)), FRAC_PI_6, 200, &RANGE).unwrap();
+        // At this angle s2 lies in the middle: the corner's circle has radius k and ends at the tensile strength.
+        let corner = -0.5 * K;
+        let (mut is_level, mut on_arc) = (false, 0);
+        for [sigma, tau] in line {
+            if sigma < corner - 0.1 * K {
+                assert!((tau - K).abs() < 1e-6 * K);
+                is_level = true;
+            } else if sigma > corner + 0.1 * K {
+                assert!(((sigma - corner).hypot(tau) / K - 1.0).abs() < 0.06, "{sigma} {tau}");
+                on_arc += u32::from(tau > 0.1 * K);
+            }
+        }
+        assert!(is_level && on_arc > 5, "{on_arc}");
+        // By tension alone all circles touch in one point.
+        let formula = Formula::new("s1 - F", &[("F", K)]).unwrap();
+        let line = mohr_envelope(&criterion(Strength::Formula(formula)), 0.3, 30, &RANGE).unwrap();
+        assert!(line.len() > 20);
+        assert!(line.iter().all(|[sigma, tau]| (sigma - K).hypot(*tau) < 1e-3 * K), "{line:?}");
     }
 
     #[test]

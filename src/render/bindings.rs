@@ -85,6 +85,14 @@ pub(crate) fn shader(device: &wgpu::Device, label: &str, wgsl: &str) -> wgpu::Sh
     })
 }
 
+/// WGSL of the triangle that covers a whole target.
+pub(crate) const FULL_SCREEN: &str = include_str!("../../shaders/full_screen.wgsl");
+
+/// A shader with the vertex stage of [`PipelineParts::full_screen`] in front of it.
+pub(crate) fn with_full_screen(wgsl: &str) -> String {
+    format!("{FULL_SCREEN}\n{wgsl}")
+}
+
 /// What tells one pipeline from another; everything else is the same for all.
 pub(crate) struct PipelineParts<'a> {
     pub label: &'a str,
@@ -102,7 +110,7 @@ pub(crate) struct PipelineParts<'a> {
 }
 
 impl<'a> PipelineParts<'a> {
-    /// A pipeline that covers its whole target with one triangle from the shader.
+    /// A pipeline that covers its whole target with one triangle; its shader begins as [`with_full_screen`] has it.
     pub fn full_screen(
         label: &'a str,
         shader: &'a wgpu::ShaderModule,

@@ -1,6 +1,6 @@
 //! The finished picture: bodies over floor and background, in a rectangle of the target.
 
-use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts, SCENE_FORMAT};
+use crate::render::bindings::{self, DEPTH_FORMAT, PipelineParts, SCENE_FORMAT, with_full_screen};
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
 use wgpu::{BindingResource, BindingType, TextureFormat, TextureUsages};
 
@@ -42,7 +42,7 @@ impl ComposePass {
             BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         ];
         let layout = bindings::layout(device, "compose pass", &types);
-        let shader = bindings::shader(device, "compose pass", &with_prelude(WGSL));
+        let shader = bindings::shader(device, "compose pass", &with_prelude(&with_full_screen(WGSL)));
         let layouts = [&frame.layout, &layout];
         let entry = if target_format.is_srgb() { "linear_fragment" } else { "fragment" };
         let parts = PipelineParts {

@@ -139,13 +139,30 @@ pub fn cross_scale_pa<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Option
     Some(*sizes.select_nth_unstable_by(index, f32::total_cmp).1).filter(|size| *size > 0.0).map(round_up)
 }
 
+/// Whether lines of crosses are long enough to be drawn, where the longest stands for `scale_pa`.
+#[must_use]
+pub fn has_visible_lines(crosses: &[StressCross], scale_pa: f32) -> bool {
+    crosses
+        .iter()
+        .flat_map(|cross| cross.principal_pa)
+        .any(|stress_pa| is_drawn(length_share(stress_pa, scale_pa)))
+}
+
+fn length_share(stress_pa: f32, scale_pa: f32) -> f32 {
+    (stress_pa.abs() / scale_pa).min(1.0)
+}
+
+fn is_drawn(share: f32) -> bool {
+    share >= SHORTEST_SHARE
+}
+
 /// The triangles of all crosses; the longest line stands for `scale_pa`.
 pub(crate) fn cross_vertices(crosses: &[StressCross], scale_pa: f32) -> Vec<SurfaceVertex> {
     let mut vertices = Vec::new();
     for cross in crosses {
         for (direction, stress_pa) in cross.directions.iter().zip(cross.principal_pa) {
-            let share = (stress_pa.abs() / scale_pa).min(1.0);
-            if share >= SHORTEST_SHARE {
+            let share = length_share(stress_pa, scale_pa);
+            if is_drawn(share) {
                 add_line(&mut vertices, cross, Vec3::from(*direction), (share, stress_pa > 0.0));
             }
         }
@@ -229,6 +246,7 @@ mod tests {
             assert!((cross.directions[0][0].abs() - 1.0).abs() < 1e-5);
         }
         assert_eq!(cross_scale_pa([&seen]), Some(2e6));
+        assert!(has_visible_lines(crosses, 2e6) && !has_visible_lines(crosses, 2e8));
         // Two lines each: the third stress is zero.
         let vertices = cross_vertices(crosses, 2e6);
         assert_eq!(vertices.len(), crosses.len() * 2 * 36);

@@ -1,6 +1,6 @@
 //! A picture drawn small, shown large: less work while things move on slow hardware.
 
-use crate::render::bindings::{self, PipelineParts};
+use crate::render::bindings::{self, PipelineParts, with_full_screen};
 use wgpu::{BindingResource, BindingType, TextureFormat};
 
 pub(crate) const WGSL: &str = include_str!("../../shaders/enlarge_pass.wgsl");
@@ -24,7 +24,7 @@ impl EnlargePass {
     pub fn new(device: &wgpu::Device, target_format: TextureFormat) -> Self {
         let types = [bindings::texture(), BindingType::Sampler(wgpu::SamplerBindingType::Filtering)];
         let layout = bindings::layout(device, "enlarge pass", &types);
-        let shader = bindings::shader(device, "enlarge pass", WGSL);
+        let shader = bindings::shader(device, "enlarge pass", &with_full_screen(WGSL));
         let layouts = [&layout];
         let parts = PipelineParts::full_screen("enlarge pass", &shader, &layouts, target_format);
         Self {

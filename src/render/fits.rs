@@ -15,9 +15,9 @@ use glam::{Vec2, Vec3};
 
 /// Bodies dim the ambient light on the floor up to this height, in body radii.
 const FLOOR_REACH_RADII: f32 = 0.7;
-/// Radius of the floor around what the camera looks at, in distances of the camera. It hangs on
-/// the camera alone, so that the background keeps still while bodies move.
-const FLOOR_RADIUS: f32 = 3.0;
+/// How far around what the camera looks at a quarter of the floor has become background, in distances of the camera. It
+/// hangs on the camera alone, so that the background keeps still while bodies move.
+const FLOOR_RADIUS: f32 = 1.0;
 
 /// The lights' maps for one picture.
 pub(crate) struct Fits {

@@ -1,6 +1,6 @@
 //! Smooths the floor's light map.
 
-use crate::render::bindings::{self, PipelineParts};
+use crate::render::bindings::{self, PipelineParts, with_full_screen};
 use crate::render::floor_light_pass::{FORMAT, FloorMap, begin};
 use wgpu::{BindingResource, BindingType};
 
@@ -17,7 +17,7 @@ impl FloorBlurPass {
     pub fn new(device: &wgpu::Device) -> Self {
         let types = [bindings::texture(), BindingType::Sampler(wgpu::SamplerBindingType::Filtering)];
         let layout = bindings::layout(device, "floor blur pass", &types);
-        let shader = bindings::shader(device, "floor blur pass", WGSL);
+        let shader = bindings::shader(device, "floor blur pass", &with_full_screen(WGSL));
         let layouts = [&layout];
         let parts = PipelineParts::full_screen("floor blur pass", &shader, &layouts, FORMAT);
         Self { pipeline: parts.build(device), sampler: bindings::linear_sampler(device), layout }

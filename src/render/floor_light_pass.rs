@@ -1,6 +1,6 @@
 //! How much light reaches each place of the floor.
 
-use crate::render::bindings::{self, PipelineParts};
+use crate::render::bindings::{self, PipelineParts, with_full_screen};
 use crate::render::depth_pass::DepthMap;
 use crate::render::frame_uniforms::{FrameBinding, with_prelude};
 use crate::render::quality::Quality;
@@ -33,7 +33,7 @@ impl FloorLightPass {
     pub fn new(device: &wgpu::Device, frame: &FrameBinding) -> Self {
         let types = [bindings::depth_texture(); 2];
         let layout = bindings::layout(device, "floor light pass", &types);
-        let shader = bindings::shader(device, "floor light pass", &with_prelude(WGSL));
+        let shader = bindings::shader(device, "floor light pass", &with_prelude(&with_full_screen(WGSL)));
         let layouts = [&frame.layout, &layout];
         let pipeline = |constants| {
             let parts = PipelineParts::full_screen("floor light pass", &shader, &layouts, FORMAT);

@@ -15,7 +15,8 @@ pub struct SurfaceVertex {
     /// World position, metres.
     pub position_m: [f32; 3],
     /// Unit normal as signed normalized integers. The fourth is `i16::MAX` on crack faces; elsewhere it has a
-    /// bit for each edge at which a crack reaches the skin, bit `k` for the edge opposite to corner `k`.
+    /// bit for each edge that is drawn as a dark line, bit `k` for the edge opposite to corner `k`: where a crack
+    /// reaches the skin, and around sections.
     pub normal_and_crack: [i16; 4],
     /// Base colour, sRGB, and gloss in the fourth.
     pub color_and_gloss: [u8; 4],
@@ -36,6 +37,8 @@ const FIXED_GREY: f32 = 0.62;
 /// Raw inside of a broken body, sRGB, and its share in the colour of crack faces.
 const CRACK_SRGB: [f32; 3] = [0.96, 0.53, 0.24];
 const CRACK_SHARE: f32 = 0.72;
+/// A section is matte and as pale as paper: this share of its colour gives way to white. Values keep their colours.
+const SECTION_WHITE_SHARE: f32 = 0.3;
 
 /// Position on the colour map of what is drawn in its base colour.
 pub const NO_VALUE: f32 = -1.0;
@@ -138,7 +141,7 @@ struct CachedTopology {
     starts: Vec<u32>,
     triangles: Vec<u32>,
     /// Fourth component of the normals, see [`SurfaceVertex::normal_and_crack`].
-    crack_marks: Vec<i16>,
+    line_marks: Vec<i16>,
     /// Scratch: area-weighted normal of each triangle.
     face_normals: Vec<Vec3>,
 }
@@ -165,27 +168,30 @@ impl CachedTopology {
             surface: Arc::clone(surface),
             starts,
             triangles,
-            crack_marks: Vec::new(),
+            line_marks: Vec::new(),
             face_normals: Vec::new(),
         };
-        if surface.triangle_is_crack.contains(&true) {
-            topology.crack_marks = (0..surface.triangles.len()).map(|t| topology.crack_mark(t)).collect();
+        if surface.triangle_is_crack.contains(&true) || surface.triangle_is_section.contains(&true) {
+            topology.line_marks = (0..surface.triangles.len()).map(|t| topology.line_mark(t)).collect();
         }
         topology
     }
 
-    /// Where cracks reach this triangle of the skin, or that it is a crack's face itself.
-    fn crack_mark(&self, triangle: usize) -> i16 {
+    /// Where this triangle has dark lines: where cracks reach the skin, and around sections; or that it is a crack's face.
+    fn line_mark(&self, triangle: usize) -> i16 {
         if self.is_crack(triangle) {
             return i16::MAX;
         }
         let corners = self.surface.triangles[triangle];
-        let meets_crack = |k: usize| {
+        let is_section = self.is_section(triangle);
+        let has_line = |k: usize| {
             let [a, b] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
-            let mut around = self.around(a).iter().map(|t| *t as usize);
-            around.any(|t| self.is_crack(t) && self.surface.triangles[t].contains(&b))
+            let around = self.around(a).iter().map(|t| *t as usize);
+            let mut others = around.filter(|t| *t != triangle && self.surface.triangles[*t].contains(&b));
+            // Sections share no vertices with the skin.
+            if is_section { others.next().is_none() } else { others.any(|t| self.is_crack(t)) }
         };
-        (0..3).filter(|k| meets_crack(*k)).map(|k| 1 << k).sum()
+        (0..3).filter(|k| has_line(*k)).map(|k| 1 << k).sum()
     }
 
     /// Whether the body has all the vertices its triangles name; if not, it is left out.
@@ -200,6 +206,10 @@ impl CachedTopology {
 
     fn is_crack(&self, triangle: usize) -> bool {
         is_set(&self.surface.triangle_is_crack, triangle)
+    }
+
+    fn is_section(&self, triangle: usize) -> bool {
+        is_set(&self.surface.triangle_is_section, triangle)
     }
 
     /// The normal to draw at a corner: the mean over the faces around `vertex` that continue
@@ -261,12 +271,12 @@ impl<'a> Painter<'a> {
         let chunks = corners.par_chunks_mut(3).with_min_len(4096);
         chunks.enumerate().for_each(|(triangle, corners)| {
             let color_and_gloss = self.color_and_gloss(triangle);
-            let crack = topology.crack_marks.get(triangle).copied().unwrap_or(0);
+            let lines = topology.line_marks.get(triangle).copied().unwrap_or(0);
             for (corner, &vertex) in corners.iter_mut().zip(&triangles[triangle]) {
                 let [x, y, z] = topology.corner_normal(triangle, vertex).to_array().map(to_signed_normalized);
                 *corner = SurfaceVertex {
                     position_m: self.frame.positions_m[vertex as usize],
-                    normal_and_crack: [x, y, z, crack],
+                    normal_and_crack: [x, y, z, lines],
                     color_and_gloss,
                     map_position: self.map_position(vertex),
                 };
@@ -294,8 +304,12 @@ impl<'a> Painter<'a> {
         if is_set(&self.frame.surface.triangle_is_crack, triangle) {
             color = mix(color, CRACK_SRGB, CRACK_SHARE);
         }
+        let is_section = is_set(&self.frame.surface.triangle_is_section, triangle);
+        if is_section {
+            color = mix(color, [1.0; 3], SECTION_WHITE_SHARE);
+        }
         let [r, g, b] = color.map(to_byte);
-        [r, g, b, GLOSS[usize::from(is_fixed)]]
+        [r, g, b, if is_section { 0 } else { GLOSS[usize::from(is_fixed)] }]
     }
 
     fn base_srgb(&self, triangle: usize) -> [f32; 3] {

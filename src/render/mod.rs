@@ -74,7 +74,7 @@ mod view;
 pub use camera::{Camera, NamedView, Ray, UnknownView};
 pub use canvas::paint;
 pub use color_map::{ColorMap, body_srgb};
-pub use crosses::{cross_room_m, cross_scale_pa, look_inside};
+pub use crosses::{cross_room_m, cross_scale_pa, has_visible_lines, look_inside};
 pub use framing::{Floor, Framing};
 pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};
 pub use off_screen::{OffScreen, Picture};
@@ -91,14 +91,14 @@ mod tests {
 
     /// Every shader, as the device gets it.
     fn shaders() -> [(&'static str, String); 6] {
-        let with_prelude = frame_uniforms::with_prelude;
+        let (with_prelude, with_full_screen) = (frame_uniforms::with_prelude, bindings::with_full_screen);
         [
             ("depth_pass", depth_pass::WGSL.to_owned()),
-            ("enlarge_pass", enlarge_pass::WGSL.to_owned()),
-            ("floor_blur_pass", floor_blur_pass::WGSL.to_owned()),
-            ("floor_light_pass", with_prelude(floor_light_pass::WGSL)),
+            ("enlarge_pass", with_full_screen(enlarge_pass::WGSL)),
+            ("floor_blur_pass", with_full_screen(floor_blur_pass::WGSL)),
+            ("floor_light_pass", with_prelude(&with_full_screen(floor_light_pass::WGSL))),
             ("surface_pass", with_prelude(surface_pass::WGSL)),
-            ("compose_pass", with_prelude(compose_pass::WGSL)),
+            ("compose_pass", with_prelude(&with_full_screen(compose_pass::WGSL))),
         ]
     }
 
@@ -122,7 +122,8 @@ mod tests {
         for file in files {
             let path = file.expect("shaders/ can be read").path();
             let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
-            let known = checked.contains(&name) || name == "frame_uniforms";
+            // Those that stand in front of others are validated with them.
+            let known = checked.contains(&name) || ["frame_uniforms", "full_screen"].contains(&name);
             assert!(known, "{name}.wgsl is not validated");
         }
     }

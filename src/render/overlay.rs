@@ -163,15 +163,50 @@ fn grouped(value: f64) -> String {
     text
 }
 
+/// A pale sheet behind texts, so that they are read whatever body is behind them: begun before what is on it is drawn, laid
+/// once it is known how large that is.
+struct Backing {
+    shape: egui::layers::ShapeIdx,
+    covered: Rect,
+}
+
+impl Backing {
+    /// Space between the texts and the edge of the sheet, points.
+    const PADDING: f32 = 5.0;
+
+    fn begin(painter: &Painter) -> Self {
+        Self { shape: painter.add(egui::Shape::Noop), covered: Rect::NOTHING }
+    }
+
+    fn cover(&mut self, drawn: Rect) {
+        self.covered |= drawn;
+    }
+
+    fn lay(self, painter: &Painter, theme: &Theme) {
+        if self.covered.is_positive() {
+            let sheet = self.covered.expand(Self::PADDING);
+            painter.set(self.shape, egui::Shape::rect_filled(sheet, Self::PADDING, backing_color(theme)));
+        }
+    }
+}
+
+fn backing_color(theme: &Theme) -> Color32 {
+    let [r, g, b] = theme.text_backing_srgb;
+    Color32::from_rgba_unmultiplied(r, g, b, theme.text_backing_opacity)
+}
+
 fn draw_caption(painter: &Painter, area: Rect, lines: &[String], theme: &Theme) {
     let mut bottom = area.bottom() - MARGIN;
+    let mut backing = Backing::begin(painter);
     for (index, line) in lines.iter().enumerate().rev() {
         let color = if index == 0 { theme.text_srgb } else { theme.faint_text_srgb };
         let position = pos2(area.left() + MARGIN, bottom);
         let font = FontId::proportional(TITLE_SIZE);
         let drawn = painter.text(position, Align2::LEFT_BOTTOM, line, font, rgb(color));
+        backing.cover(drawn);
         bottom = drawn.top() - 2.0;
     }
+    backing.lay(painter, theme);
 }
 
 fn draw_legend(painter: &Painter, area: Rect, view: &View, range: Range, theme: &Theme) {
@@ -188,12 +223,18 @@ fn draw_legend(painter: &Painter, area: Rect, view: &View, range: Range, theme: 
     let title = format!("{}{unit}", color_by.label());
     let corner = area.right_top() + vec2(-MARGIN, MARGIN);
     let font = FontId::proportional(TITLE_SIZE);
+    let mut backing = Backing::begin(painter);
     let drawn = painter.text(corner, Align2::RIGHT_TOP, title, font, rgb(theme.text_srgb));
+    backing.cover(drawn);
+    backing.lay(painter, theme);
+    // Another one for what is below: it is narrower, and bodies are hidden as little as can be.
+    let mut backing = Backing::begin(painter);
     let [is_open_below, is_open_above] = view.open_ends(range);
     let bar = Rect::from_min_size(
         pos2(corner.x - BAR_WIDTH, drawn.bottom() + 10.0 + if is_open_above { POINT_LENGTH } else { 0.0 }),
         vec2(BAR_WIDTH, (area.height() * BAR_SHARE).max(40.0)),
     );
+    backing.cover(bar);
     draw_bar(painter, bar, map_of(color_by), theme);
     for (is_open, position, end) in [
         (
@@ -204,6 +245,7 @@ fn draw_legend(painter: &Painter, area: Rect, view: &View, range: Range, theme: 
         (is_open_above, 1.0, [bar.left_top(), bar.right_top(), bar.center_top() - vec2(0.0, POINT_LENGTH)]),
     ] {
         if is_open {
+            backing.cover(Rect::from_points(&end));
             let [r, g, b] = map_of(color_by).srgb(position).map(crate::render::color_map::to_byte);
             let stroke = Stroke::new(1.0, rgb(theme.faint_text_srgb).gamma_multiply(0.6));
             painter.add(egui::Shape::convex_polygon(end.to_vec(), Color32::from_rgb(r, g, b), stroke));
@@ -212,17 +254,21 @@ fn draw_legend(painter: &Painter, area: Rect, view: &View, range: Range, theme: 
     for tick in range.ticks() {
         let y = bar.bottom() - range.position(tick) * bar.height();
         let text = short(f64::from(tick) / factor);
-        draw_tick(painter, pos2(bar.left(), y), text, theme);
+        backing.cover(draw_tick(painter, pos2(bar.left(), y), text, theme));
     }
+    backing.lay(painter, theme);
 }
 
 /// What the lines of the stress crosses mean, in the lower right corner, from right to left.
 fn draw_cross_legend(painter: &Painter, area: Rect, scale_pa: f32, theme: &Theme) {
     const SAMPLE: f32 = 16.0;
     let mut at = area.right_bottom() - vec2(MARGIN, MARGIN);
-    let write = |at: &mut Pos2, text: &str| {
+    let mut backing = Backing::begin(painter);
+    let mut write = |at: &mut Pos2, text: &str| {
         let font = FontId::proportional(TEXT_SIZE);
         let drawn = painter.text(*at, Align2::RIGHT_BOTTOM, text, font, rgb(theme.text_srgb));
+        // With the line that comes before it.
+        backing.cover(drawn.with_min_x(drawn.left() - 5.0 - SAMPLE));
         at.x = drawn.left() - 5.0;
         drawn.center().y
     };
@@ -234,6 +280,7 @@ fn draw_cross_legend(painter: &Painter, area: Rect, scale_pa: f32, theme: &Theme
         painter.line_segment([pos2(at.x - SAMPLE, y), pos2(at.x, y)], stroke);
         at.x -= SAMPLE + 10.0;
     }
+    backing.lay(painter, theme);
 }
 
 /// The colour map that shows a field.
@@ -260,7 +307,7 @@ fn draw_bar(painter: &Painter, bar: Rect, map: ColorMap, theme: &Theme) {
     painter.rect_stroke(bar, 0.0, stroke, egui::StrokeKind::Outside);
 }
 
-fn draw_tick(painter: &Painter, at: Pos2, text: String, theme: &Theme) {
+fn draw_tick(painter: &Painter, at: Pos2, text: String, theme: &Theme) -> Rect {
     let stroke = Stroke::new(1.0, rgb(theme.faint_text_srgb));
     painter.line_segment([at - vec2(5.0, 0.0), at - vec2(1.0, 0.0)], stroke);
     painter.text(
@@ -269,7 +316,7 @@ fn draw_tick(painter: &Painter, at: Pos2, text: String, theme: &Theme) {
         text,
         FontId::proportional(TEXT_SIZE),
         rgb(theme.text_srgb),
-    );
+    )
 }
 
 fn rgb([r, g, b]: [u8; 3]) -> Color32 {
@@ -285,6 +332,28 @@ mod tests {
         let caption = Caption { show_time: true, slow_motion: Some(2000.0), text: "Rankine\nglass".into() };
         let lines = caption_lines(&caption, 0.0015);
         assert_eq!(lines, ["t = 1.5 ms   2000× slow motion", "Rankine", "glass"]);
+    }
+
+    /// Contrast of two colours as the web's accessibility guidelines define it (WCAG 2.1): 4.5 is what small text needs.
+    fn contrast(a: [f32; 3], b: [f32; 3]) -> f32 {
+        let linear = |s: f32| if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
+        let light = |[r, g, b]: [f32; 3]| 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b) + 0.05;
+        let (a, b) = (light(a), light(b));
+        a.max(b) / a.min(b)
+    }
+
+    #[test]
+    fn texts_are_read_over_every_body() {
+        let share = |color: [u8; 3]| color.map(|level| f32::from(level) / 255.0);
+        for background in [crate::render::Background::Light, crate::render::Background::Dark] {
+            let theme = Theme::of(background);
+            let opacity = f32::from(theme.text_backing_opacity) / 255.0;
+            for behind in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                let sheet = share(theme.text_backing_srgb).map(|s| behind + opacity * (s - behind));
+                let found = contrast(share(theme.text_srgb), sheet);
+                assert!(found > 4.5, "{background:?} over {behind}: {found}");
+            }
+        }
     }
 
     #[test]

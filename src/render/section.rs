@@ -30,6 +30,14 @@ impl Cut {
         self.normal.dot(Vec3::from(point_m)) - self.position_m
     }
 
+    /// Between which distances beyond the plane a body lies, metres; `None` without a point that is a number.
+    #[must_use]
+    pub fn reach_m(&self, body: &BodyFrame) -> Option<[f32; 2]> {
+        let places = body.positions_m.iter().map(|point| self.beyond_m(*point));
+        let places = places.filter(|beyond_m| beyond_m.is_finite());
+        places.map(|m| [m, m]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    }
+
     /// Whether a camera looks into the section, and not at the back of what it has left; one seen edge-on counts.
     #[must_use]
     pub fn is_looked_into(normal: Vec3, camera: &Camera) -> bool {
@@ -135,7 +143,7 @@ impl Pieces {
         let of = |list: &[u32]| list.get(index).copied();
         let is_crack = from.triangle_is_crack.get(index).copied();
         let tags = [of(&from.triangle_material), of(&from.triangle_fragment), of(&from.triangle_element)];
-        self.add_polygon(&polygon, tags, is_crack.unwrap_or(false));
+        self.add_polygon(&polygon, tags, [is_crack.unwrap_or(false), false]);
     }
 
     /// The section of the tetrahedra, facing what was left out.
@@ -155,7 +163,7 @@ impl Pieces {
             }
             let of = |list: &[u32]| list.get(element).copied();
             let tags = [of(&topology.element_material), of(&topology.element_fragment), Some(element as u32)];
-            self.add_polygon(&polygon, tags, false);
+            self.add_polygon(&polygon, tags, [false, true]);
         }
     }
 
@@ -167,7 +175,7 @@ impl Pieces {
     }
 
     /// A convex polygon as triangles, with the material, fragment and element of the whole.
-    fn add_polygon(&mut self, polygon: &[u32], tags: [Option<u32>; 3], is_crack: bool) {
+    fn add_polygon(&mut self, polygon: &[u32], tags: [Option<u32>; 3], [is_crack, is_section]: [bool; 2]) {
         let surface = &mut self.surface;
         for k in 2..polygon.len() {
             surface.triangles.push([polygon[0], polygon[k - 1], polygon[k]]);
@@ -175,6 +183,7 @@ impl Pieces {
             surface.triangle_fragment.push(tags[1].unwrap_or(0));
             surface.triangle_element.push(tags[2].unwrap_or(0));
             surface.triangle_is_crack.push(is_crack);
+            surface.triangle_is_section.push(is_section);
         }
     }
 
@@ -275,6 +284,30 @@ mod tests {
             }
             assert_eq!(body.positions_m.len(), body.fields.speed_m_s.len());
         }
+    }
+
+    /// A section is matte and has a dark line around it, not along the elements in it; the skin has none.
+    #[test]
+    fn a_section_is_outlined() {
+        use crate::render::geometry::{Coloring, GeometryBuilder};
+        let cut = Cut::new(Vec3::Z, 0.4).unwrap();
+        let Opened { body, section_start } = open_body(&cube(), &cut);
+        let frame = Frame { bodies: vec![body], ..Frame::default() };
+        let range = crate::render::Range { low: 0.0, high: 1.0 };
+        let coloring = Coloring { color_by: crate::frame::ColorBy::Material, range, cross_scale_pa: None };
+        let mut builder = GeometryBuilder::default();
+        let vertices = &builder.build(&frame, None, coloring).vertices;
+        let mut outline_m = 0.0;
+        for (index, corners) in vertices.as_chunks::<3>().0.iter().enumerate() {
+            let is_section = index >= section_start;
+            assert_eq!(corners[0].color_and_gloss[3] == 0, is_section);
+            let lines = corners[0].normal_and_crack[3];
+            assert!(is_section || lines == 0);
+            let place = |k: usize| Vec3::from(corners[k % 3].position_m);
+            let marked = (0..3).filter(|k| lines >> k & 1 == 1);
+            outline_m += marked.map(|k| place(k + 1).distance(place(k + 2))).sum::<f32>();
+        }
+        assert!((outline_m - 4.0).abs() < 1e-4, "{outline_m}");
     }
 
     #[test]

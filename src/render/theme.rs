@@ -19,6 +19,9 @@ pub(crate) struct Theme {
     pub shadow_strength: f32,
     pub text_srgb: [u8; 3],
     pub faint_text_srgb: [u8; 3],
+    /// Behind texts over the picture, and how much of it covers what is there, 0..255.
+    pub text_backing_srgb: [u8; 3],
+    pub text_backing_opacity: u8,
 }
 
 impl Theme {
@@ -43,6 +46,8 @@ impl Theme {
             shadow_strength: 0.62,
             text_srgb: [38, 44, 52],
             faint_text_srgb: [92, 100, 110],
+            text_backing_srgb: [238, 240, 243],
+            text_backing_opacity: 190,
         }
     }
 
@@ -60,6 +65,8 @@ impl Theme {
             shadow_strength: 0.80,
             text_srgb: [226, 230, 236],
             faint_text_srgb: [150, 158, 168],
+            text_backing_srgb: [16, 18, 22],
+            text_backing_opacity: 190,
         }
     }
 }

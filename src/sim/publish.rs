@@ -79,6 +79,7 @@ impl FrameParts {
             triangles: triangles.iter().map(|t| t.map(|n| vertex_of[n as usize])).collect(),
             triangle_material: behind.iter().map(material).collect(),
             triangle_is_crack: body.surface.crack_sides.iter().map(Option::is_some).collect(),
+            triangle_is_section: Vec::new(),
             triangle_fragment: behind.iter().map(fragment).collect(),
             triangle_element: behind.clone(),
         }

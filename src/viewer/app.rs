@@ -1,7 +1,9 @@
 //! The viewer without a window: its state, what buttons and keys do, and the panels laid out.
 
+mod seeing;
+
+use self::seeing::Seen;
 use super::aim::Aim;
-use super::closer::{Seeing, has_interior};
 use super::edits::Edits;
 use super::foresight::Ghost;
 use super::inspection::Inspection;
@@ -80,8 +82,8 @@ pub struct App {
     pub save: SaveState,
     /// What went wrong in the window itself.
     trouble: Option<String>,
-    /// What is shown, what is done to it, and the result.
-    seen: Option<(Arc<Frame>, Seeing, Arc<Frame>)>,
+    /// What is drawn in place of what is shown.
+    seen: Option<Seen>,
     /// The recorded moment that the simulation was asked to look into, s.
     looked_into_s: Option<f64>,
     /// Which panels are there.
@@ -286,13 +288,6 @@ impl App {
         Some(foreseen.at(start_m, self.shown()))
     }
 
-    /// What is drawn: that with its fragments moved apart, cut open, with stress crosses, if so wished.
-    #[must_use]
-    pub fn drawn(&self) -> &Arc<Frame> {
-        let seen = self.seen.as_ref().filter(|_| !self.look.seeing().is_plain());
-        seen.map_or_else(|| self.shown(), |(_, _, frame)| frame)
-    }
-
     /// The recorded moment that is shown, once it was looked into.
     fn looked(&self) -> Option<&Looked> {
         let moment = self.player.moment(&self.snapshot.recording)?;
@@ -312,44 +307,6 @@ impl App {
     #[must_use]
     pub fn is_inspection_late(&self) -> bool {
         self.player.is_back() && self.looked().is_none() && self.snapshot.inspection.is_some()
-    }
-
-    /// Asks the simulation for what is inside, where that is wanted and not there.
-    fn look_closer(&mut self) {
-        if self.snapshot.scene.is_none() || self.is_waiting() {
-            return;
-        }
-        let wants_interior = self.look.seeing().needs_interior();
-        if wants_interior != self.snapshot.with_interior {
-            self.simulation.send(Command::SetInterior(wants_interior));
-        }
-        let wants_look =
-            |frame: &Frame| self.snapshot.inspection.is_some() || (wants_interior && !has_interior(frame));
-        let moment = self.player.moment(&self.snapshot.recording);
-        let wanted_s = moment.filter(|moment| wants_look(&moment.frame)).map(|moment| moment.time_s);
-        if wanted_s != self.looked_into_s {
-            self.looked_into_s = wanted_s;
-            self.simulation.send(Command::LookInto(wanted_s));
-        }
-    }
-
-    /// Makes what is drawn of what is shown.
-    fn see(&mut self) {
-        let needs_interior = self.look.seeing().needs_interior();
-        let inside = self.looked().and_then(|looked| looked.frame.as_ref());
-        let shown = inside.filter(|_| needs_interior).unwrap_or(self.shown()).clone();
-        self.look.make_room_for_crosses(&shown);
-        let seeing = self.look.seeing();
-        if seeing.is_plain() {
-            self.seen = None;
-            return;
-        }
-        let is_known = self.seen.as_ref().is_some_and(|(of, by, _)| Arc::ptr_eq(of, &shown) && *by == seeing);
-        if !is_known {
-            let seen = Arc::new(seeing.of(&shown));
-            self.look.take_in_crosses(&seen);
-            self.seen = Some((shown, seeing, seen));
-        }
     }
 
     /// Lays out the whole window for one frame and does what was asked for in it.
@@ -641,8 +598,8 @@ impl App {
             Action::ContactEdited => {
                 self.simulation.send(Command::SetContact(self.edits.contact.clone()));
             }
-            Action::FrameAll => self.look.frame_all(&self.shown().clone(), aspect),
-            Action::LookFrom(view) => self.look.look_from(view, &self.shown().clone(), aspect),
+            Action::FrameAll => self.look.frame_all(&self.to_fit(), aspect),
+            Action::LookFrom(view) => self.look.look_from(view, &self.to_fit(), aspect),
             Action::ColorsEdited => {
                 self.look.forget_range();
                 self.look.take_in(&self.shown().clone());
@@ -658,7 +615,7 @@ impl App {
                 self.look.closer.toggle_cut(&shown, &self.look.camera);
             }
             Action::CutEdited(closer) => self.look.closer = closer,
-            Action::ToggleCrosses => self.look.closer.with_crosses = !self.look.closer.with_crosses,
+            Action::ToggleCrosses => self.look.toggle_crosses(),
             Action::ToggleWireframe => self.look.wireframe = !self.look.wireframe,
             Action::ToggleDark => {
                 self.look.is_dark = !self.look.is_dark;
@@ -685,7 +642,8 @@ impl App {
     }
 }
 
-fn in_a_sentence(text: &str) -> String {
+/// A text with a large letter at its beginning.
+pub fn in_a_sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
     format!("{first}{}", letters.as_str())

@@ -138,6 +138,18 @@ impl Closer {
         self.is_flipped = own.unwrap_or_else(|| !Cut::is_looked_into(self.normal(), camera));
     }
 
+    /// Leaves out the other side once the camera has come to look at the back of what is left, unless somebody has chosen one.
+    /// Not before it is clearly there: edge-on the cut would turn to and fro.
+    pub fn follow(&mut self, camera: &Camera) {
+        /// Sine of the angle behind the plane from which on it turns.
+        const CLEARLY_BEHIND: f32 = 0.17;
+        let Some(cut) = self.cut() else { return };
+        let is_free = self.own_sides[self.direction as usize].is_none();
+        if is_free && cut.normal.dot(camera.axes()[2]) < -CLEARLY_BEHIND {
+            self.is_flipped = !self.is_flipped;
+        }
+    }
+
     /// The side that is left out was chosen, and stays.
     pub fn keep_side(&mut self) {
         self.own_sides[self.direction as usize] = Some(self.is_flipped);
@@ -175,6 +187,33 @@ impl Seeing {
     #[must_use]
     pub fn needs_interior(&self) -> bool {
         self.cut.is_some() || self.with_crosses
+    }
+
+    /// Between which distances beyond the plane everything is that could be cut, m, if the plane is beside all of it.
+    #[must_use]
+    pub fn beside_m(&self, frame: &Frame) -> Option<[f32; 2]> {
+        let cut = self.cut?;
+        let apart = (self.explode > 0.0).then(|| exploded(frame, self.explode));
+        let reaches = apart.as_ref().unwrap_or(frame).moving().filter_map(|body| cut.reach_m(body));
+        let reaches: Vec<[f32; 2]> = reaches.collect();
+        let is_met = reaches.iter().any(|[low, high]| *low <= 0.0 && *high >= 0.0);
+        reaches.into_iter().filter(|_| !is_met).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    }
+
+    /// What pictures of these frames lack, in words after their number: some may have been recorded without what is inside.
+    #[must_use]
+    pub fn lacks<'a>(&self, frames: impl Iterator<Item = &'a Frame>) -> Option<String> {
+        let lacks = frames.map(|frame| self.needs_interior() && !has_interior(frame));
+        let [count, all] = lacks.fold([0, 0], |[count, all], lacks| [count + usize::from(lacks), all + 1]);
+        let what = match (self.cut.is_some(), self.with_crosses) {
+            (true, true) => "a section and stress crosses",
+            (true, false) => "a section, only open",
+            _ => "stress crosses",
+        };
+        let how_many = if count == all { "all".to_owned() } else { count.to_string() };
+        let why =
+            "recorded while neither cut nor crosses were on. Reset or Again, and play, to record them anew";
+        (count > 0).then(|| format!("{how_many} of them without {what}: {why}"))
     }
 
     /// The frame as it is drawn.
@@ -325,6 +364,52 @@ mod tests {
         let mut closer = Closer { direction: CutDirection::X, ..Closer::default() };
         closer.toggle_cut(&frame, &front);
         assert!(!closer.is_flipped);
+    }
+
+    #[test]
+    fn the_cut_follows_the_camera_until_a_side_is_chosen() {
+        let mut closer = Closer { direction: CutDirection::X, ..Closer::default() };
+        let at = |yaw_deg: f32| Camera { yaw_rad: yaw_deg.to_radians(), pitch_rad: 0.2, ..Camera::default() };
+        let faces = |closer: &Closer, camera: &Camera| closer.cut().unwrap().normal.dot(camera.axes()[2]);
+        closer.toggle_cut(&Frame::default(), &at(0.0));
+        let mut flips = 0;
+        // Around it and back, in small steps.
+        for yaw_deg in (0..=360).chain((0..360).rev()) {
+            let (camera, before) = (at(yaw_deg as f32), closer.is_flipped);
+            closer.follow(&camera);
+            flips += u32::from(closer.is_flipped != before);
+            assert!(faces(&closer, &camera) > -0.2, "{yaw_deg}");
+        }
+        assert!((2..=4).contains(&flips), "{flips}");
+        // A hand that trembles where the plane is edge-on turns nothing.
+        let edge_on = (0..360).map(|yaw| at(yaw as f32)).find(|camera| faces(&closer, camera).abs() < 0.03);
+        let edge_on_deg = edge_on.unwrap().yaw_rad.to_degrees();
+        let before = closer.is_flipped;
+        for tremble_deg in [-5.0, 5.0, -4.0, 6.0] {
+            closer.follow(&at(edge_on_deg + tremble_deg));
+            assert_eq!(closer.is_flipped, before);
+        }
+        closer.keep_side();
+        for yaw_deg in 0..360 {
+            closer.follow(&at(yaw_deg as f32));
+            assert_eq!(closer.is_flipped, before);
+        }
+    }
+
+    #[test]
+    fn a_plane_beside_everything_is_known_and_where_that_is() {
+        let body = |x: f32| BodyFrame {
+            positions_m: vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0]],
+            ..Default::default()
+        };
+        let frame = Frame { bodies: vec![body(0.0), body(4.0)], ..Default::default() };
+        let beside = |normal: Vec3, position_m: f32| {
+            Seeing { cut: Cut::new(normal, position_m), ..Seeing::default() }.beside_m(&frame)
+        };
+        assert_eq!(beside(Vec3::X, 0.5), None);
+        assert_eq!(beside(Vec3::X, 2.0), Some([-2.0, 3.0]), "between the bodies");
+        assert_eq!(beside(Vec3::NEG_X, 1.0), Some([-6.0, -1.0]));
+        assert_eq!(Seeing::default().beside_m(&frame), None);
     }
 
     #[test]

@@ -84,7 +84,6 @@ impl Edits {
             || self.materials.iter().zip(&self.criteria).any(breaks_otherwise)
             || self.fracture != running.description.fracture
             || self.cfl != running.description.time.cfl
-            || self.has_wrong_formula()
     }
 }
 

@@ -18,6 +18,14 @@ pub fn exploded(frame: &Frame, share: f32) -> Frame {
     moved
 }
 
+/// Whether a body is in pieces that could be moved apart.
+#[must_use]
+pub fn is_in_pieces(frame: &Frame) -> bool {
+    let deformable = frame.bodies.iter().filter(|body| body.role == BodyRole::Deformable);
+    let mut fragments = deformable.map(|body| &body.surface.triangle_fragment);
+    fragments.any(|fragments| fragments.iter().any(|fragment| Some(fragment) != fragments.first()))
+}
+
 fn explode(body: &mut BodyFrame, share: f32) {
     let surface = body.surface.clone();
     let mut sums: BTreeMap<u32, (Vec3, f32)> = BTreeMap::new();
@@ -94,8 +102,12 @@ mod tests {
             ..BodyFrame::default()
         };
         let frame = Frame { bodies: vec![body], ..Frame::default() };
+        assert!(is_in_pieces(&frame));
         let moved = &exploded(&frame, 1.0).bodies[0].positions_m;
         assert!(moved[0][0] < -1.0 && moved[3][0] > 0.0);
         assert!((moved[1][0] - moved[0][0] - 1.0).abs() < 1e-6);
+        let mut whole = frame.clone();
+        Arc::make_mut(&mut whole.bodies[0].surface).triangle_fragment = vec![0, 0];
+        assert!(!is_in_pieces(&whole));
     }
 }

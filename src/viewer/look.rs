@@ -110,6 +110,17 @@ impl Look {
         self.crosses = CrossMeasure::default();
     }
 
+    /// Stress crosses on or off. They are measured by what is seen from now on, as colours are from when they are chosen.
+    pub fn toggle_crosses(&mut self) {
+        self.closer.with_crosses = !self.closer.with_crosses;
+        self.forget_crosses();
+    }
+
+    /// Opens the cut towards the camera, wherever that has been turned.
+    pub fn follow_camera(&mut self) {
+        self.closer.follow(&self.camera);
+    }
+
     /// Makes the colours' range cover a frame.
     pub fn take_in(&mut self, frame: &Frame) {
         self.closer.take_in(frame);
@@ -283,6 +294,19 @@ mod tests {
         look.take_in_crosses(&stressed(1e3, 2.0));
         assert_ne!(look.seeing().cross_room_m, room_m);
         assert_eq!(look.view(1.0).cross_scale_pa, Some(1e3));
+    }
+
+    #[test]
+    fn crosses_are_measured_from_when_they_are_switched_on() {
+        let mut look = Look::default();
+        for stress_pa in [1e6, 1e3] {
+            look.toggle_crosses();
+            look.make_room_for_crosses(&stressed(stress_pa, 1.0));
+            look.take_in_crosses(&stressed(stress_pa, 1.0));
+            assert_eq!(look.view(1.0).cross_scale_pa, Some(stress_pa));
+            look.toggle_crosses();
+            assert_eq!(look.view(1.0).cross_scale_pa, None);
+        }
     }
 
     #[test]

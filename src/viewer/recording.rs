@@ -209,7 +209,7 @@ impl Recording {
 }
 
 /// Memory of a frame besides what it has in common with the one before, bytes.
-fn frame_bytes(frame: &Frame, before: Option<&Frame>) -> usize {
+pub(super) fn frame_bytes(frame: &Frame, before: Option<&Frame>) -> usize {
     const VERTEX_FIELDS: usize = 7;
     let of_interior = |interior: &Interior| {
         let nodes = interior.positions_m.len() * (12 + 4 * VERTEX_FIELDS);

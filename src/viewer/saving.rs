@@ -4,6 +4,7 @@
 use super::closer::Seeing;
 use super::look::Look;
 use super::pacing::FRAME_S;
+use super::recording::frame_bytes;
 use crate::export::gif::GifWriter;
 use crate::export::png::write_png;
 use crate::export::surface_mesh::{write_obj, write_ply};
@@ -145,21 +146,20 @@ fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progres
     if frames.is_empty() {
         return Err("nothing is recorded yet".to_owned());
     }
-    let view = view_of_all(frames, shot);
-    let mut draw = |frame: &Frame| {
-        let seen = (!shot.seeing.is_plain()).then(|| shot.seeing.of(frame));
-        let picture = screen.render(shot.size_px, seen.as_ref().unwrap_or(frame), &shot.camera, &view);
+    let film = Film::new(frames, shot, &progress.wants_end);
+    let mut draw = |index: usize| {
+        let picture = screen.render(shot.size_px, &film.seen(index), &shot.camera, &film.view);
         picture.map_err(|error| {
             progress.studio.forget();
             error.to_string()
         })
     };
-    let samples = frames.iter().step_by(frames.len().div_ceil(SAMPLES).max(1)).map(|frame| draw(frame));
+    let samples = (0..frames.len()).step_by(frames.len().div_ceil(SAMPLES).max(1)).map(&mut draw);
     let samples: Vec<Picture> = samples.collect::<Result<_, _>>()?;
     let words = |error: ExportError| error.to_string();
     let samples: Vec<&Picture> = samples.iter().collect();
     let mut writer = GifWriter::create(path, shot.size_px, GIF_FPS, &samples).map_err(words)?;
-    for (index, frame) in frames.iter().enumerate() {
+    for index in 0..frames.len() {
         if progress.wants_end.load(Ordering::Relaxed) {
             writer.finish().map_err(words)?;
             if index == 0 {
@@ -175,22 +175,55 @@ fn animation(frames: &[Arc<Frame>], shot: &Shot, path: &Path, progress: &Progres
             }
             _ => format!("{error}; the first {index} pictures are in {}", path.display()),
         };
-        let picture = draw(frame).map_err(kept)?;
+        let picture = draw(index).map_err(kept)?;
         writer.push(&picture).map_err(words).map_err(kept)?;
         progress.done.store(index + 1, Ordering::Relaxed);
     }
     writer.finish().map_err(words)?;
-    Ok(format!("saved {} with {} pictures", path.display(), frames.len()))
+    let lacks = shot.seeing.lacks(frames.iter().map(|frame| &**frame));
+    let lacks = lacks.map(|lacks| format!(", {lacks}")).unwrap_or_default();
+    Ok(format!("saved {} with {} pictures{lacks}", path.display(), frames.len()))
 }
 
-/// The view of an animation: its stress crosses are measured by all of them.
-fn view_of_all(frames: &[Arc<Frame>], shot: &Shot) -> View {
-    let mut view = shot.view.clone();
-    if shot.seeing.with_crosses {
-        let scales_pa = frames.iter().filter_map(|frame| cross_scale_pa([&shot.seeing.of(frame)]));
-        view.cross_scale_pa = view.cross_scale_pa.into_iter().chain(scales_pa).reduce(f32::max);
+/// Memory for frames that were looked into for the measure of their stress crosses, bytes. What goes beyond it is looked into
+/// once more when it is drawn.
+const MOST_KEPT_BYTES: usize = 256 << 20;
+
+/// The frames of an animation as they are drawn, and their view: stress crosses are measured by all of them.
+struct Film<'a> {
+    frames: &'a [Arc<Frame>],
+    seeing: Seeing,
+    view: View,
+    /// The first of the frames as they are drawn, as far as they had to be made.
+    kept: Vec<Arc<Frame>>,
+}
+
+impl<'a> Film<'a> {
+    /// Looks into the frames until somebody wants that to end.
+    fn new(frames: &'a [Arc<Frame>], shot: &Shot, wants_end: &AtomicBool) -> Self {
+        let mut film = Self { frames, seeing: shot.seeing, view: shot.view.clone(), kept: Vec::new() };
+        let (mut bytes, mut scale_pa) = (0, film.view.cross_scale_pa);
+        let is_measured = |_: &usize| shot.seeing.with_crosses && !wants_end.load(Ordering::Relaxed);
+        for index in (0..frames.len()).take_while(is_measured) {
+            let seen = film.seen(index);
+            scale_pa = scale_pa.into_iter().chain(cross_scale_pa([&*seen])).reduce(f32::max);
+            bytes += frame_bytes(&seen, film.kept.last().map(|before| &**before));
+            if film.kept.len() == index && bytes < MOST_KEPT_BYTES {
+                film.kept.push(seen);
+            }
+        }
+        film.view.cross_scale_pa = scale_pa;
+        film
     }
-    view
+
+    /// A frame as it is drawn.
+    fn seen(&self, index: usize) -> Arc<Frame> {
+        if self.seeing.is_plain() {
+            return self.frames[index].clone();
+        }
+        let kept = self.kept.get(index);
+        kept.cloned().unwrap_or_else(|| Arc::new(self.seeing.of(&self.frames[index])))
+    }
 }
 
 /// The text of a scene that gives again what is seen: bodies thrown in and taken out, `late_text` with what else was
@@ -357,7 +390,20 @@ mod tests {
         let own: Vec<f32> = own.collect();
         let most_pa = own.iter().copied().reduce(f32::max);
         assert!(own.iter().any(|scale_pa| Some(*scale_pa) != most_pa), "{own:?}");
-        assert_eq!(view_of_all(&frames, &shot).cross_scale_pa, most_pa);
+        let film = Film::new(&frames, &shot, &AtomicBool::default());
+        assert_eq!(film.view.cross_scale_pa, most_pa);
+        // Each was looked into once, for measure and picture.
+        assert_eq!(film.kept.len(), frames.len());
+        assert!((0..3).all(|index| Arc::ptr_eq(&film.seen(index), &film.kept[index])));
+        // One that was recorded without what is inside is told of.
+        frames[1] = Arc::new(Frame { bodies: world.publish().bodies, ..Frame::default() });
+        let folder = tempfile::tempdir().unwrap();
+        let progress =
+            Progress { done: Arc::default(), wants_end: Arc::default(), studio: Studio::default() };
+        let job = Job::Animation(frames.clone(), Box::new(shot.clone()));
+        let told = save(&job, &folder.path().join("mine.gif"), &progress).unwrap();
+        assert!(told.contains("with 3 pictures, 1 of them without stress crosses"), "{told}");
+        frames.remove(1);
         let rooms = frames.iter().map(|frame| shot.seeing.of(frame).crosses[0].room_m);
         assert!(rooms.into_iter().all(|room_m| Some(room_m) == shot.seeing.cross_room_m));
     }

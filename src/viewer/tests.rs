@@ -140,6 +140,18 @@ fn choose_change_throw_break_scrub_save_and_reload() {
     wait(&mut window, "fragments", |app| app.snapshot.frame.status.fragments > 7);
     press(&mut window, "Pause (space)");
 
+    // However far its pieces are moved apart, all of them fit into the view.
+    window.state_mut().look.explode = 2.0;
+    press(&mut window, "Fit");
+    let (app, camera) = (window.state(), window.state().look.camera);
+    let aspect = app.viewport.unwrap().aspect_ratio();
+    let places = app.drawn().moving().flat_map(|body| &body.positions_m);
+    let places = places.map(|place| camera.picture_position(glam::Vec3::from(*place), aspect).unwrap());
+    let beyond = places.filter(|at| at.min_element() < 0.0 || at.max_element() > 1.0).count();
+    assert_eq!(beyond, 0);
+    window.state_mut().look.explode = 0.0;
+    press(&mut window, "Fit");
+
     // A hammer.
     let bodies = window.state().snapshot.frame.bodies.len();
     press(&mut window, "Throw with the mouse");
@@ -330,6 +342,16 @@ fn a_cut_stays_where_the_scene_says_even_far_from_all_bodies() {
     settle(&mut window);
     let closer = window.state().look.closer;
     assert_eq!((closer.position_m, closer.cut().unwrap().position_m), (9.0, -9.0));
+    // Its panel says that nothing is cut, until something is.
+    assert!(window.query_by_label_contains("goes through no body that moves").is_some());
+    window.state_mut().look.closer.center();
+    settle(&mut window);
+    assert!(window.query_by_label_contains("goes through no body").is_none());
+    // There is but one piece.
+    assert!(window.query_by_label_contains("nothing to explode").is_none());
+    window.state_mut().look.explode = 1.0;
+    settle(&mut window);
+    assert!(window.query_by_label_contains("nothing to explode").is_some());
 }
 
 #[test]
@@ -361,6 +383,8 @@ fn bodies_are_cut_open_and_stress_crosses_shown() {
     assert_eq!(normal, glam::Vec3::X, "both angles are zero at first");
     press(&mut window, "Stress crosses");
     assert!(!window.state().drawn().crosses.is_empty());
+    // An animation would lack them at the moments before.
+    assert!(window.query_by_label_contains("of them without a section and stress crosses").is_some());
 
     // A moment recorded before the cut was on is looked into by simulating up to it again.
     window.key_press(egui::Key::ArrowLeft);

@@ -52,8 +52,18 @@ fn a_missing_folder_of_a_single_file_is_told_before_anything_runs() {
 }
 
 #[test]
+fn what_takes_the_place_of_a_file_says_so() {
+    let place = Place::new();
+    let said = || stderr(&place.run("render cubes.toml -o one.png --at 10ms"));
+    assert!(!said().contains("replacing"));
+    assert!(said().contains("replacing `one.png`"));
+}
+
+#[test]
 fn a_cut_that_meets_nothing_is_warned_about() {
     let place = Place::new();
+    let quiet = place.run("render cubes.toml -o cut.png --at 10ms --cut x=77 --quiet");
+    assert!(stderr(&quiet).contains("warning: `--cut` goes through no body that moves"));
     let said = |cut: &str| stderr(&place.run(&format!("render cubes.toml -o cut.png --at 10ms --cut {cut}")));
     let own = place.run("render cubes.toml -o cut.png --at 10ms --set recording.cut={across=[1,0,0],at=77}");
     assert!(stderr(&own).contains("warning: `recording.cut` goes through no body that moves"));

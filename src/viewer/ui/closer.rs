@@ -20,6 +20,15 @@ pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     if is_cut {
         let mut edited = closer;
         plane(ui, &mut edited, &app.look.camera);
+        if let Some(beside_m) = app.cut_is_beside_m() {
+            let sign = if closer.is_flipped { -1.0 } else { 1.0 };
+            let [from_m, to_m] = beside_m.map(|beyond_m| closer.position_m + sign * beyond_m);
+            let [from, to] = [from_m.min(to_m), from_m.max(to_m)].map(|m| measured(f64::from(m), "m"));
+            let text =
+                format!("The plane goes through no body that moves: they are between {from} and {to} now.");
+            let (_, color) = style::warning_colors(ui.visuals().dark_mode);
+            ui.label(RichText::new(text).small().color(color));
+        }
         if edited != closer {
             actions.push(Action::CutEdited(edited));
         }

@@ -10,8 +10,8 @@ use crate::fracture::envelope::{
 use crate::fracture::{Criterion, CriterionError, Strength};
 use crate::viewer::app::App;
 use crate::viewer::inspection::Inspection;
-use egui::{Color32, Grid, Id, Rect, RichText, Stroke, Ui};
-use egui_plot::{AxisHints, Plot};
+use egui::{Align2, Color32, Grid, Id, Rect, RichText, Stroke, Ui};
+use egui_plot::{AxisHints, Plot, PlotPoint, PlotUi, Points, Text};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -143,7 +143,7 @@ fn mohr(ui: &mut Ui, inspection: &Inspection, lines: &[Limit]) {
     // Without stress the envelope alone says how large the picture must be.
     let strength = |line: &Limit| line.first().map_or(0.0, |[sigma, tau]| sigma.abs().max(*tau));
     let reach = if reach > 0.0 { reach } else { lines.iter().map(strength).fold(1.0, f64::max) };
-    figure(ui, "Mohr's circles")
+    figure(ui, "Mohr's circles", ["normal stress σ", "shear stress τ"])
         .include_x(s3 - 0.3 * reach)
         .include_x(s1 + 0.3 * reach)
         .include_y(0.8 * reach)
@@ -161,15 +161,36 @@ fn mohr(ui: &mut Ui, inspection: &Inspection, lines: &[Limit]) {
                     plot.line(line("envelope", points).color(ENVELOPE).width(1.4));
                 }
             }
+            // Apart even where two of them are equal.
+            let places = [(s1, Align2::LEFT_TOP), (s2, Align2::CENTER_BOTTOM), (s3, Align2::RIGHT_TOP)];
+            for (name, (stress_pa, anchor)) in ["s1", "s2", "s3"].into_iter().zip(places) {
+                plot.points(Points::new(name, vec![[stress_pa, 0.0]]).radius(2.5).color(CIRCLE));
+                mark_place(plot, name, [stress_pa, 0.0], anchor);
+            }
         });
-    if inspection.criterion.is_some() {
-        let text = "Mohr's circles; red: what touches it fails (with s2 where it is between s1 and s3 now).";
+    if let Some(criterion) = &inspection.criterion {
+        let text = match lines.len() {
+            0 => {
+                "Mohr's circles. No red line: with s2 as far between s1 and s3 as now, this criterion bounds no circles."
+            }
+            drawn if drawn < criterion.rules().len() => {
+                "Mohr's circles; red: what touches it fails, with s2 as far between s1 and s3 as now. Not every rule of the \
+                 criterion bounds circles."
+            }
+            _ => "Mohr's circles; red: what touches it fails, with s2 as far between s1 and s3 as now.",
+        };
         ui.label(RichText::new(text).small().weak());
     }
 }
 
-/// A plot that stands still.
-pub fn figure(ui: &Ui, name: &str) -> Plot<'static> {
+/// Writes a name at a place of a plot.
+pub fn mark_place(plot: &mut PlotUi<'_>, name: &str, [x, y]: [f64; 2], anchor: Align2) {
+    let text = RichText::new(name).small();
+    plot.text(Text::new(name, PlotPoint::new(x, y), text).anchor(anchor).allow_hover(false));
+}
+
+/// A plot that stands still; axes without a name have none written.
+pub fn figure(ui: &Ui, name: &str, [x_name, y_name]: [&str; 2]) -> Plot<'static> {
     Plot::new(name.to_owned())
         .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
         .height(HEIGHT)
@@ -181,13 +202,18 @@ pub fn figure(ui: &Ui, name: &str) -> Plot<'static> {
         .grid_spacing(egui::Rangef::new(10.0, 40.0))
         .x_grid_spacer(|grid| marks(grid.bounds, 3.0, 0.0))
         .y_grid_spacer(|grid| marks(grid.bounds, 4.0, 0.0))
-        .custom_x_axes(vec![AxisHints::new_x().label_spacing(X_LABEL_SPACING)])
+        .custom_x_axes(vec![AxisHints::new_x().label(small(x_name)).label_spacing(X_LABEL_SPACING)])
+        .custom_y_axes(vec![AxisHints::new_y().label(small(y_name))])
         .x_axis_formatter(|mark, range| {
             // A label at the very end would stick out of the panel.
             let is_last = range.end() - mark.value < 0.1 * (range.end() - range.start());
             if is_last { String::new() } else { tick(mark.value, "Pa") }
         })
         .y_axis_formatter(|mark, _| tick(mark.value, "Pa"))
+}
+
+fn small(text: &str) -> RichText {
+    RichText::new(text).small()
 }
 
 fn circle(centre: f64, radius: f64) -> Vec<[f64; 2]> {
@@ -211,11 +237,7 @@ fn envelope(criterion: &Criterion, principal_pa: DVec3) -> Vec<Limit> {
 
 fn limit(strength: &Strength, principal_pa: DVec3, size_pa: f64) -> Option<Limit> {
     if let Strength::Tensile { tensile_strength_pa } = strength {
-        // All its circles touch in one point; what is forbidden lies to the right of it.
-        return Some(vec![
-            [*tensile_strength_pa, 0.0],
-            [*tensile_strength_pa, 3.0 * size_pa.max(*tensile_strength_pa)],
-        ]);
+        return Some(upright(*tensile_strength_pa, size_pa));
     }
     let criterion = Criterion::single(strength.clone()).ok()?;
     let (_, _, angle_rad) = principal_place(principal_pa);
@@ -223,5 +245,37 @@ fn limit(strength: &Strength, principal_pa: DVec3, size_pa: f64) -> Option<Limit
     let own_pa = distance_along_pa(&criterion, DVec3::ZERO, along).ok()??;
     let reach_pa = 2.5 * own_pa.max(size_pa);
     let range = DrawnRange { mean_pa: [-reach_pa, reach_pa], reach_pa: 8.0 * reach_pa };
-    mohr_envelope(&criterion, angle_rad, 65, &range).ok().filter(|line| line.len() > 1)
+    let line = mohr_envelope(&criterion, angle_rad, 65, &range).ok().filter(|line| line.len() > 1)?;
+    let is_point = line.iter().all(|[s, t]| (s - line[0][0]).hypot(*t) < 1e-3 * reach_pa);
+    Some(if is_point { upright(line[0][0], size_pa) } else { line })
+}
+
+/// The line of circles that all touch in one point, as under tension: what is forbidden lies beyond it.
+fn upright(sigma_pa: f64, size_pa: f64) -> Limit {
+    vec![[sigma_pa, 0.0], [sigma_pa, 3.0 * size_pa.max(sigma_pa.abs())]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fracture::Formula;
+
+    fn of_formula(text: &str, principal_pa: DVec3) -> Vec<Limit> {
+        let strength = Strength::Formula(Formula::new(text, &[]).unwrap());
+        envelope(&Criterion::single(strength).unwrap(), principal_pa)
+    }
+
+    #[test]
+    fn formulas_have_the_envelopes_of_what_they_say() {
+        for state in [DVec3::ZERO, DVec3::new(1e6, 2e5, -3e6), DVec3::new(-1e5, -1e5, -1e6)] {
+            let tension = of_formula("s1 - 2*MPa", state);
+            assert_eq!(tension.len(), 1);
+            assert!(tension[0].iter().all(|[sigma, _]| (sigma / 2e6 - 1.0).abs() < 1e-3), "{tension:?}");
+            assert!(tension[0][1][1] > 2e6, "a line, not a point: {tension:?}");
+            let shear = of_formula("(s1 - s3)/2 - 2*MPa", state);
+            assert!(shear[0].len() > 20 && shear[0].iter().all(|[_, tau]| (tau / 2e6 - 1.0).abs() < 1e-6));
+        }
+        // The mean stress alone sets circles no bound.
+        assert!(of_formula("I1 - 2*MPa", DVec3::new(1e6, 0.0, -1e6)).is_empty());
+    }
 }

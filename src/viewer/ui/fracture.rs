@@ -1,11 +1,12 @@
 //! When materials break and how cracks grow: act on reset.
 
 use super::style;
-use super::widgets::{Acts, Parameter, badge};
+use super::widgets::{Acts, LIST_HEIGHT, Parameter, badge, entry};
 use crate::fracture::PropagationRule;
 use crate::sim::FractureParameters;
 use crate::viewer::criterion_edit::{CriterionEdit, Failing};
-use egui::{ComboBox, Label, RichText, TextEdit, TextStyle, Ui};
+use egui::text::{CCursor, CharIndex};
+use egui::{Color32, ComboBox, Galley, Key, Label, Rect, RichText, Shape, Stroke, TextEdit, Ui, vec2};
 
 const STRENGTH: Parameter = Parameter {
     label: "Tensile strength",
@@ -62,10 +63,10 @@ const CRACK_SPEED: Parameter = Parameter {
 pub fn criterion(ui: &mut Ui, edit: &mut CriterionEdit) {
     ui.label("Breaks by");
     let combo = ComboBox::from_id_salt("criterion").width(ui.available_width()).truncate();
-    combo.selected_text(edit.kind.label()).height(320.0).show_ui(ui, |ui| {
+    combo.selected_text(edit.kind.label()).height(LIST_HEIGHT).show_ui(ui, |ui| {
         let special = edit.is_special().then_some(Failing::AsInScene);
         for kind in Failing::ALL.into_iter().chain(special) {
-            ui.selectable_value(&mut edit.kind, kind, kind.label()).on_hover_text(kind.explanation());
+            entry(ui, &mut edit.kind, kind, kind.label()).on_hover_text(kind.explanation());
         }
     });
     match edit.kind {
@@ -97,45 +98,48 @@ fn with_friction(ui: &mut Ui, edit: &mut CriterionEdit) {
 fn formula(ui: &mut Ui, edit: &mut CriterionEdit) {
     let hint = "In s1, s2, s3, I1, J2, J3 with + - * / ^, sqrt, abs, min, max; stresses in Pa: 10*MPa";
     // A name of its own: what appears above it while it is typed must not take the keyboard away.
-    let text =
-        TextEdit::singleline(&mut edit.formula).id_salt("formula").code_editor().desired_width(f32::INFINITY);
-    ui.add(text).on_hover_text(hint);
+    let text = TextEdit::multiline(&mut edit.formula).id_salt("formula").code_editor().lock_focus(false);
+    let field = text.desired_rows(1).desired_width(f32::INFINITY).return_key(None).show(ui);
+    if field.response.has_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+        field.response.surrender_focus();
+    }
+    field.response.response.on_hover_text(hint);
+    // What is pasted may come in lines; for the formula they are spaces.
+    if edit.formula.contains(['\n', '\r']) {
+        edit.formula = edit.formula.replace(['\n', '\r'], " ");
+    }
     let Some(error) = edit.formula_error() else { return };
     let (_, color) = style::error_colors(ui.visuals().dark_mode);
-    let before = edit.formula.chars().take(error.column.saturating_sub(1));
-    let place = if is_seen_whole(ui, &edit.formula) {
-        // The place as in the text above: the field has a margin of its own.
-        let mark = format!("{}^", before.map(|_| ' ').collect::<String>());
-        ui.scope(|ui| {
-            ui.spacing_mut().item_spacing.y = 0.0;
-            ui.horizontal(|ui| {
-                ui.add_space(FORMULA_MARGIN);
-                ui.label(RichText::new(mark).monospace().color(color));
-            });
-        });
-        String::new()
-    } else {
-        // The field shows some part of it, where a mark would point to anything.
-        let rest: String = edit.formula.chars().skip(before.count()).take(MOST_QUOTED).collect();
-        if rest.is_empty() { ", at the end".to_owned() } else { format!(", at “{rest}”") }
-    };
+    let place = error_place(&field.galley, error.column);
+    underline(ui, place.translate(field.galley_pos.to_vec2()), color);
     let text = format!(
-        "Column {}{place}: {}. Until that is mended this material breaks as it does now, after a reset too.",
+        "Column {}: {}. Until that is mended this material breaks as it does now, after a reset too.",
         error.column, error.problem
     );
     ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
 }
 
-/// Space between the edge of the formula's field and its text, points.
-const FORMULA_MARGIN: f32 = 4.0;
-/// Letters of a formula that are quoted to show a place in it.
-const MOST_QUOTED: usize = 12;
+/// Where the letter of a column, counted from 1, is in a text that may be wrapped.
+fn error_place(galley: &Galley, column: usize) -> Rect {
+    let at =
+        |index: usize| galley.pos_from_cursor(CCursor { index: CharIndex(index), prefer_next_row: true });
+    let letter = at(column.saturating_sub(1));
+    let next = at(column);
+    // At the end, and before a break, there is no next letter in the row.
+    let is_beside = next.top() == letter.top() && next.left() > letter.left();
+    letter.with_max_x(if is_beside { next.left() } else { letter.left() + LETTER_WIDTH })
+}
 
-/// Whether the field has room for all of a formula.
-fn is_seen_whole(ui: &Ui, formula: &str) -> bool {
-    let font = TextStyle::Monospace.resolve(ui.style());
-    let text = ui.painter().layout_no_wrap(formula.to_owned(), font, ui.visuals().text_color());
-    text.size().x + 2.0 * FORMULA_MARGIN < ui.available_width()
+/// About as wide as a letter of a formula, points.
+const LETTER_WIDTH: f32 = 7.0;
+
+/// A line under a letter, with a wedge that points up to it.
+fn underline(ui: &Ui, letter: Rect, color: Color32) {
+    let y = letter.bottom();
+    ui.painter().hline(letter.x_range(), y, Stroke::new(2.0, color));
+    let tip = letter.center_bottom();
+    let foot = |dx: f32| tip + vec2(dx, 4.0);
+    ui.painter().add(Shape::convex_polygon(vec![tip, foot(3.5), foot(-3.5)], color, Stroke::NONE));
 }
 
 /// Shows how cracks grow.
@@ -174,3 +178,38 @@ pub fn growth(ui: &mut Ui, parameters: &mut FractureParameters, base: &FractureP
 /// Values that sliders start from when somebody wants to choose.
 const FIRST_CRACK_SPEED_M_S: f64 = 100.0;
 const FIRST_MOST_ELEMENTS: u32 = 20_000;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In a formula that is wrapped, too, every column is the place of its letter.
+    #[test]
+    fn a_column_is_where_its_letter_is() {
+        let text = "max(s1 - 2*MPa, sqrt(J2)-10*MPa)";
+        let found = std::rc::Rc::new(std::cell::RefCell::new(None));
+        let keep = found.clone();
+        let mut window =
+            egui_kittest::Harness::builder().with_accessibility_check(false).build_ui(move |ui| {
+                let mut formula = text.to_owned();
+                let field = TextEdit::multiline(&mut formula).code_editor().desired_width(120.0).show(ui);
+                *keep.borrow_mut() = Some(field.galley);
+            });
+        window.step();
+        let galley = found.borrow_mut().take().unwrap();
+        assert!(galley.rows.len() > 1, "it is not wrapped");
+        let mut column = 0;
+        for row in &galley.rows {
+            for glyph in &row.glyphs {
+                column += 1;
+                let place = error_place(&galley, column);
+                let left = row.pos.x + glyph.pos.x;
+                assert!((place.left() - left).abs() < 0.5, "{column}: {place:?} for {left}");
+                assert!((place.top() - row.pos.y).abs() < 2.0 && place.width() > 3.0, "{column}: {place:?}");
+            }
+        }
+        // What is missing is missed behind the last one.
+        let end = error_place(&galley, column + 1);
+        assert!(end.left() >= error_place(&galley, column).right() - 0.5 && end.width() > 3.0, "{end:?}");
+    }
+}

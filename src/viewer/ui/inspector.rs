@@ -4,7 +4,8 @@ use super::{Action, closer, element, plots, save, widgets};
 use crate::frame::ColorBy;
 use crate::render::NamedView;
 use crate::viewer::app::App;
-use egui::{ComboBox, Ui};
+use crate::viewer::exploded::is_in_pieces;
+use egui::{ComboBox, RichText, Ui};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -28,17 +29,17 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
 }
 
 fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    let has_nothing_to_explode = app.look.explode > 0.0 && !is_in_pieces(app.shown());
+    let are_crosses_too_short = app.are_crosses_too_short();
     let look = &mut app.look;
     let before = look.color_by;
     row(ui, "Colour by", |ui| {
-        ComboBox::from_id_salt("colour by")
-            .width(ui.available_width())
-            .selected_text(before.label())
-            .show_ui(ui, |ui| {
-                for choice in ColorBy::ALL {
-                    ui.selectable_value(&mut look.color_by, choice, choice.label());
-                }
-            });
+        let list = ComboBox::from_id_salt("colour by").height(widgets::LIST_HEIGHT);
+        list.width(ui.available_width()).selected_text(before.label()).show_ui(ui, |ui| {
+            for choice in ColorBy::ALL {
+                widgets::entry(ui, &mut look.color_by, choice, choice.label());
+            }
+        });
     });
     if look.color_by != before {
         // What was typed was in another unit.
@@ -50,7 +51,7 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         ui.horizontal(|ui| {
             let width = ui.available_width() - 62.0;
             ComboBox::from_id_salt("look from")
-                .height(320.0)
+                .height(widgets::LIST_HEIGHT)
                 .width(width)
                 .selected_text("Direction")
                 .show_ui(ui, |ui| {
@@ -77,25 +78,43 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         let hint = "Moves the fragments apart, only for the eye";
         ui.add(egui::Slider::new(&mut look.explode, 0.0..=2.0).show_value(false)).on_hover_text(hint);
     });
+    if has_nothing_to_explode {
+        small(ui, "Every body is in one piece now: there is nothing to explode.");
+    }
     let fits_colors = look.color_by.has_values() && !look.typed_range.is_on;
     let (text, hint) = match (fits_colors, look.closer.with_crosses) {
         (false, false) => return,
         (true, false) => (
             "Fit the colours to now",
-            "The colours' range grows with what was seen; this fits it to the present moment",
+            "The colours' range grows with what is seen; this fits it to the moment shown",
         ),
         (false, true) => (
             "Fit the crosses to now",
-            "The crosses' measure grows with what was seen; this fits it to the present moment",
+            "The crosses' measure grows with what is seen; this fits it to the moment shown",
         ),
         (true, true) => (
             "Fit colours and crosses to now",
-            "The colours' range and the crosses' measure grow with what was seen; this fits them to the present moment",
+            "The colours' range and the crosses' measure grow with what is seen; this fits them to the moment shown",
         ),
     };
     if ui.button(text).on_hover_text(hint).clicked() {
         actions.push(Action::FitToNow);
     }
+    if are_crosses_too_short {
+        small(
+            ui,
+            "Beside the largest stress seen so far, all crosses of this moment are too short to be drawn.",
+        );
+    } else if fits_colors && look.closer.with_crosses {
+        small(
+            ui,
+            "Both measure the largest that is seen: colours since they were chosen, crosses since they were switched on.",
+        );
+    }
+}
+
+fn small(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).small().weak());
 }
 
 /// Width of the labels before values, points: all begin and end in one line.

@@ -23,17 +23,21 @@ pub const KEYS: [(&str, &str); 19] = [
     ("W", "edges of the elements"),
     ("C", "cut the bodies open, or close them again"),
     ("X", "stress crosses"),
-    ("G", "the scenes"),
+    ("G", "the scenes, or back from them"),
     ("F1", "this help"),
-    ("Esc", "close a list, help, stop throwing, close the message"),
+    ("Esc", "close a list, help, the message or the scenes, stop throwing"),
 ];
 
 const DIGITS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
-/// Reads the keys of this frame, unless somebody is typing.
+/// Reads the keys of this frame; while somebody is typing, F1 alone.
 pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
     let is_gallery = app.is_gallery;
+    // No field takes it for a letter.
+    if context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::F1)) {
+        actions.push(Action::ToggleHelp);
+    }
     if context.egui_wants_keyboard_input() {
         return;
     }
@@ -52,13 +56,16 @@ pub fn read(context: &Context, app: &App, actions: &mut Vec<Action>) {
         on_with(Modifiers::COMMAND, Key::S, Action::Save(SaveKind::Scene));
     }
     let mut on = |key: Key, action: Action| on_with(Modifiers::NONE, key, action);
-    on(Key::F1, Action::ToggleHelp);
     // An open list closes by itself, and nothing else does then. The other keys are for its entries.
     let is_list_open = Popup::is_any_open(context);
     if !is_list_open {
         let escape = match () {
             () if app.panels.help => Action::ToggleHelp,
             () if app.aim.is_armed && !is_gallery => Action::StopAiming,
+            // What went wrong is read first; what only says what was done goes by itself.
+            () if is_gallery && (app.notice().is_none() || app.is_notice_passing()) => {
+                Action::ShowGallery(false)
+            }
             () => Action::DismissNotice,
         };
         on(Key::Escape, escape);

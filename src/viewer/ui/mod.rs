@@ -34,7 +34,7 @@ use super::closer::Closer;
 use super::thrown::Throw;
 use crate::render::NamedView;
 use egui::containers::panel::PanelState;
-use egui::{IdSalt, Panel, Ui, UiBuilder};
+use egui::{IdSalt, Key, Panel, Popup, Ui, UiBuilder};
 use glam::DVec3;
 
 /// Width of the panels at the sides when nobody has chosen, and the least, points.
@@ -162,6 +162,8 @@ impl Action {
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     // Its panel says so if it is there.
     app.save.is_in_sight = false;
+    // By itself, the toolkit closes lists on clicks of the mouse only.
+    let is_chosen_by_key = Popup::is_any_open(ui.ctx()) && ui.input(|input| input.key_pressed(Key::Enter));
     Panel::top("toolbar").frame(style::bar_frame()).show(ui, |ui| toolbar::show(ui, app, actions));
     if app.is_gallery {
         egui::CentralPanel::no_frame()
@@ -172,6 +174,9 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         show_scene(ui, app, actions);
     }
     help::show(ui.ctx(), &mut app.panels.help);
+    if is_chosen_by_key {
+        Popup::close_all(ui.ctx());
+    }
 }
 
 fn show_scene(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {

@@ -2,7 +2,7 @@
 
 use super::widgets::measured;
 use super::{Action, style};
-use crate::viewer::app::{App, SaveKind};
+use crate::viewer::app::{App, SaveKind, in_a_sentence};
 use egui::{Align, Button, DragValue, Layout, ProgressBar, RichText, TextEdit, Ui};
 use std::path::Path;
 
@@ -97,4 +97,8 @@ fn animation(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let pictures = app.animation_times().len();
     let text = format!("{pictures} pictures of {} to {}", measured(from_s, "s"), measured(to_s, "s"));
     ui.label(RichText::new(text).small().weak());
+    if let Some(lacks) = app.animation_lacks() {
+        let (_, color) = style::warning_colors(ui.visuals().dark_mode);
+        ui.label(RichText::new(in_a_sentence(&lacks) + ".").small().color(color));
+    }
 }

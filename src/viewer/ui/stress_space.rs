@@ -1,7 +1,7 @@
 //! Where the stress of an element lies in the space of principal stresses, beside the failure surface: across the
 //! hydrostatic axis at its mean stress, and along it at its angle.
 
-use super::element::{CIRCLE, ENVELOPE, figure};
+use super::element::{CIRCLE, ENVELOPE, figure, mark_place};
 use super::plots::line;
 use super::widgets::measured;
 use crate::fracture::envelope::{
@@ -90,7 +90,7 @@ pub fn show(ui: &mut Ui, surface: &Result<NearSurface, CriterionError>, principa
     let text =
         format!("Across the hydrostatic axis at a mean stress of {}; s1 points up.", measured(mean_pa, "Pa"));
     ui.label(RichText::new(text).small().weak());
-    figure(ui, "meridian").show(ui, |plot| {
+    figure(ui, "meridian", ["mean stress", "√(2 J2)"]).show(ui, |plot| {
         plot.line(line("failure", near.meridian.clone()).color(ENVELOPE).width(1.4));
         plot.points(Points::new("element", vec![[mean_pa, distance_pa]]).radius(4.0).color(CIRCLE));
     });
@@ -101,11 +101,12 @@ pub fn show(ui: &mut Ui, surface: &Result<NearSurface, CriterionError>, principa
 fn across(ui: &mut Ui, near: &NearSurface, principal_pa: DVec3) {
     let place = deviatoric_place_pa(principal_pa).to_array();
     let (name, shown_pa) = ("principal stress space", near.shown_pa);
-    figure(ui, name).include_y(shown_pa).include_y(-shown_pa).show(ui, |plot| {
+    figure(ui, name, [""; 2]).include_y(shown_pa).include_y(-shown_pa).show(ui, |plot| {
         let weak = egui::Color32::GRAY.gamma_multiply(0.6);
         for (axis, label) in [(DVec3::X, "s1"), (DVec3::Y, "s2"), (DVec3::Z, "s3")] {
             let end = (deviatoric_place_pa(axis).normalize() * shown_pa).to_array();
             plot.line(line(label, vec![[0.0, 0.0], end]).color(weak).width(1.0));
+            mark_place(plot, label, end, egui::Align2::CENTER_TOP);
         }
         for piece in &near.section {
             plot.line(line("failure", piece.clone()).color(ENVELOPE).width(1.4));

@@ -2,8 +2,9 @@
 
 use super::style;
 use crate::render::{parse_with_unit, short, with_unit};
+use egui::style::ScrollAnimation;
 use egui::{
-    CollapsingHeader, Color32, Context, DragValue, Id, Response, RichText, ScrollArea, Slider,
+    Align, CollapsingHeader, Color32, Context, DragValue, Id, Response, RichText, ScrollArea, Slider,
     SliderClamping, Ui,
 };
 use std::ops::RangeInclusive;
@@ -138,6 +139,20 @@ pub fn pill(ui: &mut Ui, text: &str, background: Color32, color: Color32) -> Res
     frame.show(ui, |ui| ui.label(RichText::new(text).small().color(color))).response
 }
 
+/// An entry of a list of choices. A list that opens has the chosen one in sight, wherever it was left the last time.
+pub fn entry<T: PartialEq>(ui: &mut Ui, chosen: &mut T, value: T, text: &str) -> Response {
+    let is_chosen = *chosen == value;
+    let response = ui.selectable_value(chosen, value, text);
+    // The first time it is laid out.
+    if is_chosen && ui.is_sizing_pass() {
+        response.scroll_to_me_animation(Some(Align::Center), ScrollAnimation::none());
+    }
+    response
+}
+
+/// Height up to which lists show all of their entries, points.
+pub const LIST_HEIGHT: f32 = 320.0;
+
 /// A button that asks to be pressed.
 pub fn primary_button(ui: &mut Ui, text: &str) -> Response {
     let button = egui::Button::new(RichText::new(text).color(Color32::WHITE)).fill(style::accent());
@@ -160,6 +175,29 @@ mod tests {
         for value in [0.0, -1.2345e-5, 9.99e14, 2.3e180, -f64::MAX, 1e-300, f64::INFINITY, f64::NAN] {
             let text = measured(value, "J");
             assert!(text.chars().count() <= 12, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_list_opens_where_the_chosen_entry_is() {
+        use egui_kittest::kittest::Queryable as _;
+        let mut window = egui_kittest::Harness::builder().with_accessibility_check(false).build_ui_state(
+            |ui, chosen: &mut usize| {
+                let list = egui::ComboBox::from_id_salt("list").height(90.0).selected_text("the list");
+                list.show_ui(ui, |ui| (0..30).for_each(|k| drop(entry(ui, chosen, k, &format!("no. {k}")))));
+            },
+            25,
+        );
+        for chosen in [25, 3] {
+            *window.state_mut() = chosen;
+            window.get_by_value("the list").click();
+            (0..4).for_each(|_| window.step());
+            let button = window.get_by_value("the list").rect();
+            let entry = window.get_by_label(&format!("no. {chosen}")).rect();
+            let below = entry.center().y - button.bottom();
+            assert!((0.0..110.0).contains(&below), "{chosen}: {entry:?} below {button:?}");
+            window.key_press(egui::Key::Escape);
+            (0..4).for_each(|_| window.step());
         }
     }
 
