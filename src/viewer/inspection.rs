@@ -48,14 +48,24 @@ impl RigidBody {
             }
             BodyMotion::Kinematic(_) => Some((DVec3::ZERO, DVec3::ZERO)),
         };
-        let own = setup.contact.pair_friction.iter().filter(|pair| pair.bodies.contains(&body));
-        let mut friction: Vec<(f64, String)> = own
-            .filter_map(|pair| {
-                let other = pair.bodies.into_iter().find(|other| *other != body)?;
-                Some((pair.friction_coefficient, setup.bodies.get(other)?.name.clone()))
-            })
-            .collect();
+        let mut friction: Vec<(f64, Vec<&str>)> = Vec::new();
+        for pair in setup.contact.pair_friction.iter().filter(|pair| pair.bodies.contains(&body)) {
+            // Some are still to come, some are gone.
+            let is_there = |other: &usize| *other < world.body_count() && !world.is_removed(*other);
+            let others = pair.bodies.into_iter().filter(|other| *other != body).filter(is_there);
+            let names = others.map(|other| setup.bodies[other].name.as_str());
+            match friction.iter_mut().find(|(known, _)| *known == pair.friction_coefficient) {
+                Some((_, known)) => known.extend(names),
+                None => friction.push((pair.friction_coefficient, names.collect())),
+            }
+        }
+        friction.retain(|(_, names)| !names.is_empty());
         let with_rest = if friction.is_empty() { "all bodies" } else { "all others" };
+        let in_words = |(coefficient, names): (f64, Vec<&str>)| match names.len() {
+            0..=2 => (coefficient, names.join(", ")),
+            count => (coefficient, format!("{count} bodies")),
+        };
+        let mut friction: Vec<(f64, String)> = friction.into_iter().map(in_words).collect();
         friction.push((setup.contact.friction_coefficient, with_rest.to_owned()));
         Some(Self { motion, friction })
     }

@@ -66,6 +66,8 @@ pub struct Session {
     built: u64,
     notice: Option<Notice>,
     notices: u64,
+    /// Number of the command before which a way back was told of: what is told during it comes on top of that.
+    way_back_told: Option<u64>,
 }
 
 impl Default for Session {
@@ -88,6 +90,7 @@ impl Default for Session {
             built: 0,
             notice: None,
             notices: 0,
+            way_back_told: None,
         }
     }
 }
@@ -252,7 +255,12 @@ impl Session {
         self.note(text, true);
     }
 
-    fn note(&mut self, text: String, is_passing: bool) {
+    fn note(&mut self, mut text: String, is_passing: bool) {
+        if self.way_back_told == Some(self.commands_done)
+            && let Some(before) = &self.notice
+        {
+            text = format!("{text}\n{}", before.text);
+        }
         self.notices += 1;
         self.notice = Some(Notice { number: self.notices, text, is_passing });
     }

@@ -480,9 +480,21 @@ fn escape_ends_throwing_and_what_was_said_goes_away() {
     window.state_mut().panels.inspector = false;
     settle(&mut window);
     save(&mut window);
-    let told = window.state().notice().unwrap_or_default();
-    assert!(told.starts_with("Saved ") && told.contains("bounce-2.toml"), "{told}");
+    let told = |window: &Window| window.state().save.notice().map(|(text, _)| text).unwrap_or_default();
+    assert!(
+        told(&window).starts_with("Saved ") && told(&window).contains("bounce-2.toml"),
+        "{}",
+        told(&window)
+    );
+    // Another one right after it: both can be read, whatever else is done, for some seconds.
+    save(&mut window);
     window.key_press(egui::Key::Period);
     settle(&mut window);
-    assert_eq!(window.state().notice(), None);
+    assert!(
+        told(&window).contains("bounce-2.toml") && told(&window).contains("bounce-3.toml"),
+        "{}",
+        told(&window)
+    );
+    (0..60).for_each(|_| window.step());
+    assert_eq!(told(&window), "");
 }

@@ -124,6 +124,7 @@ impl Session {
                 let fits = self.leave_time(place, format!("going on from {}", with_unit(place.time_s, "s")));
                 let less = "\nMemory is short: only some of its recorded moments are kept.";
                 self.mention(format!("{told}{}", if fits { "" } else { less }));
+                self.way_back_told = (!play).then_some(self.commands_done + 1);
             }
             self.stand_at(place, found);
         }

@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, app: &App) {
     }
 }
 
-/// Most bodies whose friction with a rigid one is told.
+/// Most coefficients of friction with a rigid body that are told.
 const MOST_PAIRS: usize = 8;
 
 /// A body that does not deform has no elements to speak of.
@@ -84,7 +84,7 @@ fn rigid_body(ui: &mut Ui, name: &str, rigid: &RigidBody) {
                 row("spin now", measured(spin_rad_s.length(), "rad/s"));
             }
         }
-        for (coefficient, other) in rigid.friction.iter().rev().take(MOST_PAIRS) {
+        for (coefficient, other) in rigid.friction.iter().take(MOST_PAIRS) {
             row("friction", format!("{} with {other}", short(*coefficient)));
         }
     });

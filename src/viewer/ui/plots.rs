@@ -332,7 +332,7 @@ mod tests {
                 recording.push(std::sync::Arc::new(frame), 0);
             }
         }
-        for (at_s, moment_s) in [(0.0, 0.0), (0.19, 0.4), (0.99, 0.8), (1.04, 1.2), (99.0, 3.6)] {
+        for (at_s, moment_s) in [(0.0, 0.0), (0.29, 0.4), (0.69, 0.8), (1.14, 1.2), (99.0, 3.6)] {
             let (time_s, row) = moment_near(&history, &recording, at_s).unwrap();
             assert!((time_s - moment_s).abs() < 1e-9, "{at_s}: {time_s}");
             assert_eq!((recording.at(time_s).unwrap().time_s, row.kinetic_j), (time_s, time_s));

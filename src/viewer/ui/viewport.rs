@@ -142,7 +142,11 @@ fn draw_aim(ui: &Ui, app: &App, area: Rect) {
     // Whole, wherever the body starts.
     let inside = area.shrink(6.0);
     let most = (inside.max - place.size()).max(inside.min);
-    painter.galley(place.min.clamp(inside.min, most), galley, style::accent());
+    let at = place.min.clamp(inside.min, most);
+    // It can be read over whatever is behind it, the body itself for one.
+    let back = Rect::from_min_size(at, galley.size()).expand2(egui::vec2(6.0, 3.0));
+    painter.rect_filled(back, 5.0, ui.visuals().window_fill.gamma_multiply(0.85));
+    painter.galley(at, galley, style::accent());
 }
 
 /// How fast, how heavy, with how much energy; and where it cannot start in sight.

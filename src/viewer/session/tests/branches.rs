@@ -73,12 +73,15 @@ fn the_later_time_comes_back_as_it_was_when_what_was_done_in_the_past_is_taken_b
         session.execute(Command::PlayOnFrom { time_s, play: false });
         session.execute(Command::Throw(dropped(ThrowKind::Hammer)));
         assert!(session.snapshot().undo.unwrap().contains("Hammer"));
+        // What was left is told besides what the hammer does.
+        let told = session.snapshot().notice.unwrap().text;
+        assert!(told.contains("waits above") && told.contains("the time up to"), "{told}");
         session.execute(Command::Play);
         play(&mut session, then);
         let branch = standing(&mut session);
         session.execute(Command::Undo);
         let told = session.snapshot().notice.unwrap().text;
-        assert!(told.contains("Hammer") && told.contains("is back"), "{told}");
+        assert!(told.contains("Hammer") && told.contains("is back") && !told.contains("is left"), "{told}");
         assert_eq!((standing(&mut session), recorded(&mut session)), (before.clone(), pictures.clone()));
         assert_eq!(session.snapshot().built, built, "it is the same run");
         // And the branch, where it stood.
@@ -120,17 +123,26 @@ fn playing_on_is_taken_back_after_what_was_done_since_and_outlives_a_reset() {
 
 #[test]
 fn a_later_time_that_does_not_fit_into_memory_is_thinned_out_and_that_is_told() {
-    let limit = super::super::super::recording::LEAST_LIMIT_BYTES;
-    let mut session = opened("brick-pile", &["recording.start=0", "recording.slow_motion=400"]);
+    let limit = 2 * super::super::super::recording::LEAST_LIMIT_BYTES;
+    let mut session = opened("brick-pile", &["recording.start=0", "recording.slow_motion=8000"]);
     session.execute(Command::SetMemoryLimit(limit));
-    play(&mut session, 150);
-    let (state_then, moments) = (state(&session), session.course.recording.moments().len());
+    session.execute(Command::SetInterior(true));
+    let recorded = |session: &Session| session.course.recording.moments().len();
+    while session.course.recording.one_of() == 1 {
+        play(&mut session, 10);
+    }
+    let thinned = recorded(&session);
+    // More than what is left may have, which is half of the memory.
+    while recorded(&session) < thinned + thinned / 2 {
+        play(&mut session, 10);
+    }
+    let (state_then, moments) = (state(&session), recorded(&session));
     session.execute(Command::PlayOnFrom { time_s: 0.0, play: true });
     let told = session.snapshot().notice.unwrap().text;
-    play(&mut session, 150);
+    play(&mut session, 10);
     session.execute(Command::Undo);
     assert_eq!(state(&session), state_then, "the end of it is always kept");
-    assert!(session.course.recording.moments().len() < moments);
+    assert!(recorded(&session) < moments, "all of it is kept");
     assert!(told.contains("Memory is short"), "{told}");
 }
 
@@ -166,6 +178,7 @@ fn dropped_ball_and_cube() -> (Session, usize) {
     session.execute(Command::Throw(dropped(ThrowKind::Cube)));
     play(&mut session, 5);
     session.execute(Command::PlayOnFrom { time_s: early_s, play: true });
+    play(&mut session, 1);
     (session, bodies)
 }
 
