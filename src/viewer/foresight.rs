@@ -22,6 +22,11 @@ const STEP_SHARE: f32 = 0.05;
 /// Nearest that the body's middle may be to the eye, as a share of its reach: nearer, it would hide everything.
 const NEAREST_SHARE: f32 = 1.5;
 
+/// Most by which it starts higher than the mouse points and still is looked for by its shape, as a share of its reach.
+const MOST_LIFT: f32 = 3.0;
+/// Places on the way to the eye above which a free one is looked for.
+const LIFTED_FROM: u32 = 8;
+
 /// A body that would be thrown in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foreseen {
@@ -105,25 +110,42 @@ impl Foreseen {
         self.balls.iter().map(|(middle_m, radius_m)| middle_m.length() + radius_m).fold(0.0, f32::max)
     }
 
-    /// The free place for it under the mouse: in front of what is seen there and as far away as what the camera looks at, or else
-    /// as little nearer as it needs; `None` where there is none before the eye.
-    fn place_in_sight(&self, sight: &Sight) -> Option<Vec3> {
+    /// A free place in sight, and how much higher it is than what is under the mouse, m: in front of what is seen there and as far
+    /// away as what the camera looks at, or else as little nearer to the eye as it needs; where there is none up to the eye, as
+    /// little higher as it needs. `None` where nothing is free before the eye.
+    fn place_in_sight(&self, sight: &Sight) -> Option<(Vec3, f32)> {
         let ray = sight.camera.ray_in_world(sight.at, sight.aspect);
         let focus_m = (pick::in_focus(&sight.camera, &ray) - ray.origin_m).length();
         let hit = pick::pick(&sight.frame, &ray).map(|hit| (hit.point_m - ray.origin_m).length());
         let far_m = hit.map_or(focus_m, |hit_m| hit_m.min(focus_m));
-        let reach_m = self.reach_m();
+        let (reach_m, gap_m) = (self.reach_m(), GAP_SHARE * self.reach_m());
         let near_m = NEAREST_SHARE * reach_m;
-        let around = triangles_along(&sight.frame, &ray, [near_m, far_m], (1.0 + GAP_SHARE) * reach_m);
-        let mut at_m = far_m;
-        while at_m >= near_m {
-            let place_m = ray.origin_m + ray.direction * at_m;
-            let lacking_m = self.lacking_m(place_m, &around, GAP_SHARE * reach_m);
+        let around =
+            triangles_along(&sight.frame, &ray, [near_m, far_m], (1.0 + MOST_LIFT) * reach_m + gap_m);
+        let to_eye = |at_m: f32| ray.origin_m + ray.direction * (far_m - at_m);
+        if let Some(at_m) = self.first_free(far_m - near_m, &around, to_eye) {
+            return Some((to_eye(at_m), 0.0));
+        }
+        let lifted = (0..LIFTED_FROM).filter_map(|index| {
+            let from_m = to_eye((far_m - near_m) * index as f32 / LIFTED_FROM as f32);
+            let up = |lift_m: f32| from_m + Vec3::Z * lift_m;
+            let lift_m = self.first_free(MOST_LIFT * reach_m, &around, up)?;
+            sight.shows(up(lift_m)).then_some((up(lift_m), lift_m))
+        });
+        lifted.filter(|_| far_m > near_m).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// How far to go, m, on a way until it is free from triangles; `None` where it is not before its end.
+    fn first_free(&self, end_m: f32, triangles: &[Triangle], way: impl Fn(f32) -> Vec3) -> Option<f32> {
+        let reach_m = self.reach_m();
+        let mut at_m = 0.0;
+        while at_m <= end_m {
+            let lacking_m = self.lacking_m(way(at_m), triangles, GAP_SHARE * reach_m);
             if lacking_m <= 0.0 {
-                return Some(place_m);
+                return Some(at_m);
             }
             // Distances change no faster than the place does: no free one is left out, up to the least step.
-            at_m -= lacking_m.max(STEP_SHARE * reach_m);
+            at_m += lacking_m.max(STEP_SHARE * reach_m);
         }
         None
     }
@@ -139,23 +161,35 @@ impl Foreseen {
     }
 }
 
+impl Sight {
+    /// Whether a point is in the picture, and nothing hides it.
+    fn shows(&self, point_m: Vec3) -> bool {
+        let Some(at) = self.camera.picture_position(point_m, self.aspect) else { return false };
+        let ray = self.camera.ray_in_world(at, self.aspect);
+        let hit = pick::pick(&self.frame, &ray).map(|hit| hit.point_m.distance(ray.origin_m));
+        let is_hidden = hit.is_some_and(|hit_m| hit_m < point_m.distance(ray.origin_m));
+        at.cmpge(Vec2::ZERO).all() && at.cmple(Vec2::ONE).all() && !is_hidden
+    }
+}
+
 impl Ghost {
     /// Where a body would start.
     #[must_use]
     pub fn new(foreseen: Arc<Foreseen>, sight: Sight) -> Self {
         let found = foreseen.place_in_sight(&sight);
-        let asked_m = found.unwrap_or_else(|| {
-            pick::in_focus(&sight.camera, &sight.camera.ray_in_world(sight.at, sight.aspect))
+        let (asked_m, mut lift_m) = found.unwrap_or_else(|| {
+            (pick::in_focus(&sight.camera, &sight.camera.ray_in_world(sight.at, sight.aspect)), 0.0)
         });
         let mut nodes_m: Vec<DVec3> = foreseen.nodes_m.iter().map(|x| (asked_m + *x).as_dvec3()).collect();
-        let mut lift_m = 0.0;
+        let mut start_m = asked_m;
         if found.is_none() {
             let before_m = nodes_m.first().map_or(0.0, |x| x.z);
             raise_clear(&mut nodes_m, &boxes_m(&sight.frame));
             lift_m = nodes_m.first().map_or(0.0, |x| x.z - before_m) as f32;
+            start_m.z += lift_m;
         }
         let nodes_m = nodes_m.iter().map(|x| x.as_vec3()).collect();
-        Self { foreseen, nodes_m, start_m: asked_m + Vec3::Z * lift_m, lift_m, seen_by: sight }
+        Self { foreseen, nodes_m, start_m, lift_m, seen_by: sight }
     }
 
     /// Whether it is what this would come to.
@@ -167,8 +201,7 @@ impl Ghost {
     /// Whether its middle is in the picture.
     #[must_use]
     pub fn is_in_sight(&self) -> bool {
-        let at = self.seen_by.camera.picture_position(self.start_m, self.seen_by.aspect);
-        at.is_some_and(|at| at.cmpge(Vec2::ZERO).all() && at.cmple(Vec2::ONE).all())
+        self.seen_by.shows(self.start_m)
     }
 }
 
@@ -294,7 +327,7 @@ mod tests {
     }
 
     fn box_at(middle_m: DVec3, size_m: DVec3) -> TetMesh {
-        let mut mesh = shape(Shape::Box(BoxShape { size_m, ..BoxShape::default() }));
+        let mut mesh = shape(Shape::Box(BoxShape { size_m }));
         mesh.nodes_m.iter_mut().for_each(|x| *x += middle_m);
         mesh
     }
@@ -328,6 +361,24 @@ mod tests {
                 assert!(nearer_m < 5.0 * reach_m, "{at}: {nearer_m}, reach {reach_m}");
             }
         }
+    }
+
+    /// With the eye near the ground, a body over the lower edge of the picture would be in the ground all the way to the eye.
+    #[test]
+    fn a_start_near_the_ground_is_as_little_higher_as_it_needs() {
+        let ground = box_at(DVec3::new(0.0, 0.0, -0.5), DVec3::new(20.0, 20.0, 1.0));
+        let frame = Arc::new(Frame { bodies: vec![seen(&ground)], ..Frame::default() });
+        let camera = Camera {
+            target_m: Vec3::new(0.0, 0.0, 0.3),
+            distance_m: 3.0,
+            pitch_rad: 0.05,
+            ..Camera::default()
+        };
+        let thrown = shape(Shape::Ball(Ball { radius_m: 0.4 }));
+        let sight = Sight { frame, camera, aspect: 1.5, at: Vec2::new(0.3, 0.97) };
+        let ghost = Ghost::new(foreseen(thrown), sight);
+        assert!(ghost.is_in_sight() && ghost.lift_m > 0.0 && ghost.lift_m < 0.5, "{}", ghost.lift_m);
+        assert!((ghost.start_m.z - 0.412).abs() < 0.025, "{}", ghost.start_m);
     }
 
     #[test]

@@ -19,6 +19,8 @@ const HEIGHT_SHARE: f64 = 0.6;
 /// One after the other, so that a heap stays readable; sRGB.
 const COLORS_SRGB: [[f32; 3]; 5] =
     [[0.85, 0.40, 0.31], [0.27, 0.56, 0.73], [0.91, 0.69, 0.29], [0.42, 0.65, 0.42], [0.58, 0.47, 0.70]];
+/// Beginning of the names of thrown bodies.
+const THROWN: &str = "thrown-";
 /// Name of the material that never breaks, made from the scene's own.
 pub const TOOL: &str = "tool";
 /// Density of it over that of the scene's own: a tool hits harder, and its elastic step is longer for it.
@@ -154,7 +156,7 @@ pub fn scene_with_throw(
     let (axis, angle_rad) = DQuat::from_euler(EulerRot::ZXY, turn, 0.3, 0.5).to_axis_angle();
     // Before it acts: what is saved in few digits gives the same bytes.
     let arrival = Arrival {
-        name: free_name(&format!("thrown-{kind}"), number, scene, world),
+        name: free_name(&format!("{THROWN}{kind}"), number, scene, world),
         position_m: vector_to_digits_of(position_m, size_m, 5),
         axis: vector_to_digits_of(axis, 1.0, 4),
         angle_degrees: to_digits(angle_rad.to_degrees(), 4),
@@ -208,10 +210,12 @@ fn tool_text(setup: &WorldSetup) -> String {
     )
 }
 
-/// The median of the longest sides of the bodies that deform, m.
+/// The median of the longest sides of the bodies that deform, m, but for what was thrown in: one hammer after the other has
+/// the same size.
 #[must_use]
 pub fn typical_size_m(world: &World) -> f64 {
-    let sizes = deformable(world.setup()).filter_map(|body| body.mesh.bounds_m());
+    let own = deformable(world.setup()).filter(|body| !body.name.starts_with(THROWN));
+    let sizes = own.filter_map(|body| body.mesh.bounds_m());
     median(sizes.map(|(low, high)| (high - low).max_element()).collect())
 }
 

@@ -83,7 +83,7 @@ impl SaveState {
     /// their panel only if they failed.
     #[must_use]
     pub fn notice(&self) -> Option<(String, bool)> {
-        let is_said = |told: &&Told| !told.is_closed && !(self.is_in_sight && told.outcome.is_ok());
+        let is_said = |told: &&Told| !told.is_closed && (!self.is_in_sight || told.outcome.is_err());
         let lines: Vec<(&str, bool)> = self.told.iter().filter(is_said).map(Told::line).collect();
         let text = lines.iter().map(|(text, _)| *text).collect::<Vec<_>>().join("\n");
         (!lines.is_empty()).then(|| (text, lines.iter().any(|(_, is_failure)| *is_failure)))

@@ -158,7 +158,10 @@ impl Course {
     /// Puts what was split off back behind what it followed.
     pub fn following(self, before: Self) -> Self {
         let mut recording = before.recording;
-        Arc::make_mut(&mut recording).append(&self.recording);
+        let together = Arc::make_mut(&mut recording);
+        // What was left has no part of the memory any more.
+        together.reserved_bytes = 0;
+        together.append(&self.recording);
         let mut history = before.history;
         Arc::make_mut(&mut history).append(&self.history);
         let mut keyframes = before.keyframes;

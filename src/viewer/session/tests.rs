@@ -208,6 +208,9 @@ fn dropped_bodies_start_clear_of_all_others_and_fall() {
     }
     let setup = session.course.run.as_ref().unwrap().world.setup().clone();
     assert_eq!(setup.bodies.len(), 6);
+    // What was thrown before does not change the size of what is thrown.
+    let [one, other] = [3, 5].map(|body| setup.bodies[body].mesh.volume_m3());
+    assert!((one / other - 1.0).abs() < 1e-9, "{one} {other}");
     for second in 1..setup.bodies.len() {
         for first in 0..second {
             let [a, b] = [first, second].map(|body| &setup.bodies[body].mesh);

@@ -231,7 +231,9 @@ fn left_text(from_s: f64, end_s: f64, done: &[&str], is_playing: bool) -> String
     // Otherwise something is done in their place: that has to be taken back first.
     let again = if is_playing && !done.is_empty() { " Ctrl Y does what was done in it again." } else { "" };
     let [from, end] = [from_s, end_s].map(|time_s| with_unit(time_s, "s"));
-    format!("From {from} on, the time up to {end} is left{changes}. Ctrl Z brings it back as it was.{again}")
+    format!(
+        "From {from} on, the time up to {end} is set aside{changes}. Ctrl Z brings it back as it was.{again}"
+    )
 }
 
 /// The first of some things, in words.

@@ -155,12 +155,13 @@ fn aim_label(app: &App, path: &Path) -> String {
     let Some(ghost) = app.ghost() else { return label };
     let energy_j = ghost.foreseen.kinetic_j(path.velocity_m_s(), app.aim.spin_rad_s(path));
     label += &format!(", {}, {}", mass_text(ghost.foreseen.mass_kg()), measured(energy_j, "J"));
-    if ghost.lift_m > 0.0 {
-        let where_from = if ghost.is_in_sight() { "" } else { ", out of the picture" };
+    let lift = measured(f64::from(ghost.lift_m), "m");
+    if !ghost.is_in_sight() {
         label += &format!(
-            "\nThere is no free place in sight: it starts {} higher{where_from}.\nPress elsewhere, or move the camera back.",
-            measured(f64::from(ghost.lift_m), "m")
+            "\nThere is no free place in sight: it starts {lift} higher, out of sight.\nPress elsewhere, or move the camera back."
         );
+    } else if ghost.lift_m > 0.0 {
+        label += &format!("\nIt starts {lift} higher: there is no room under the mouse.");
     }
     label
 }

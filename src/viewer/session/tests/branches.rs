@@ -43,8 +43,10 @@ fn what_playing_on_from_an_earlier_moment_drops_is_told_and_can_be_done_again() 
     assert!(quiet.snapshot().notice.is_none() && quiet.snapshot().undo.is_none());
 }
 
-/// What is recorded: times, edits before, places.
-fn recorded(session: &mut Session) -> Vec<(f64, usize, Vec<Vec<[f32; 3]>>)> {
+/// Time of a recorded moment, edits before it, places of all bodies.
+type Picture = (f64, usize, Vec<Vec<[f32; 3]>>);
+
+fn recorded(session: &mut Session) -> Vec<Picture> {
     let recording = session.snapshot().recording;
     let places = |frame: &Frame| frame.bodies.iter().map(|body| body.positions_m.clone()).collect();
     recording.moments().iter().map(|m| (m.time_s, m.edits, places(&m.frame))).collect()
@@ -81,7 +83,7 @@ fn the_later_time_comes_back_as_it_was_when_what_was_done_in_the_past_is_taken_b
         let branch = standing(&mut session);
         session.execute(Command::Undo);
         let told = session.snapshot().notice.unwrap().text;
-        assert!(told.contains("Hammer") && told.contains("is back") && !told.contains("is left"), "{told}");
+        assert!(told.contains("Hammer") && told.contains("is back") && !told.contains("set aside"), "{told}");
         assert_eq!((standing(&mut session), recorded(&mut session)), (before.clone(), pictures.clone()));
         assert_eq!(session.snapshot().built, built, "it is the same run");
         // And the branch, where it stood.
@@ -121,29 +123,50 @@ fn playing_on_is_taken_back_after_what_was_done_since_and_outlives_a_reset() {
     assert!(session.snapshot().redo.is_none());
 }
 
+/// A session whose recording is limited to twice the least memory.
+fn short_of_memory() -> Session {
+    let mut session = opened("brick-pile", &["recording.start=0", "recording.slow_motion=8000"]);
+    session.execute(Command::SetMemoryLimit(2 * super::super::super::recording::LEAST_LIMIT_BYTES));
+    session.execute(Command::SetInterior(true));
+    session
+}
+
+fn moments(session: &Session) -> usize {
+    session.course.recording.moments().len()
+}
+
+fn play_until(session: &mut Session, count: usize) {
+    while moments(session) < count {
+        play(session, 1);
+    }
+}
+
 #[test]
 fn a_later_time_that_does_not_fit_into_memory_is_thinned_out_and_that_is_told() {
-    let limit = 2 * super::super::super::recording::LEAST_LIMIT_BYTES;
-    let mut session = opened("brick-pile", &["recording.start=0", "recording.slow_motion=8000"]);
-    session.execute(Command::SetMemoryLimit(limit));
-    session.execute(Command::SetInterior(true));
-    let recorded = |session: &Session| session.course.recording.moments().len();
+    let mut session = short_of_memory();
     while session.course.recording.one_of() == 1 {
-        play(&mut session, 10);
+        play(&mut session, 1);
     }
-    let thinned = recorded(&session);
+    let (most, thinned) = (2 * moments(&session), moments(&session));
     // More than what is left may have, which is half of the memory.
-    while recorded(&session) < thinned + thinned / 2 {
-        play(&mut session, 10);
-    }
-    let (state_then, moments) = (state(&session), recorded(&session));
+    play_until(&mut session, thinned + thinned / 2);
+    let (state_then, recorded) = (state(&session), moments(&session));
     session.execute(Command::PlayOnFrom { time_s: 0.0, play: true });
     let told = session.snapshot().notice.unwrap().text;
     play(&mut session, 10);
     session.execute(Command::Undo);
     assert_eq!(state(&session), state_then, "the end of it is always kept");
-    assert!(recorded(&session) < moments, "all of it is kept");
+    assert!(moments(&session) < recorded, "all of it is kept");
     assert!(told.contains("Memory is short"), "{told}");
+
+    // One that fits comes back whole, though it does not fit twice.
+    let mut session = short_of_memory();
+    play_until(&mut session, most * 78 / 100);
+    let (recorded, early_s) = (moments(&session), session.course.recording.moments()[most * 31 / 100].time_s);
+    session.execute(Command::PlayOnFrom { time_s: early_s, play: true });
+    assert!(!session.snapshot().notice.unwrap().text.contains("Memory is short"));
+    session.execute(Command::Undo);
+    assert_eq!(moments(&session), recorded);
 }
 
 /// Whether the saved scene has the same bodies in the same places, up to the rounding of free flight.
