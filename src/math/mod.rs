@@ -1,10 +1,12 @@
 //! What glam has not: symmetric 3x3 eigenvalues, rotations, mass properties, disjoint sets.
 
+mod digits;
 mod disjoint_sets;
 mod mass_properties;
 mod rotation;
 mod symmetric_eigen;
 
+pub use digits::{to_digits, to_digits_of, vector_to_digits_of};
 pub(crate) use disjoint_sets::DisjointSets;
 pub use mass_properties::{MassProperties, inertia_of_point_kg_m2, solve_inertia};
 pub use rotation::{best_fit_rotation, rotation_from_vector, skew};

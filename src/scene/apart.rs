@@ -1,10 +1,10 @@
 //! Bodies that overlap at the start are refused, by name, depth and place.
 
-use super::boxes;
 use super::build::{BuildProblem, BuiltBody};
 use super::description::{GROUND, SceneDescription};
-use super::overlap::{Overlap, overlap};
 use super::settle::free_height_m;
+use crate::mesh::boxes;
+use crate::mesh::{Overlap, overlap};
 use crate::sim::BodyMotion;
 use parry3d_f64::bounding_volume::BoundingVolume;
 

@@ -9,7 +9,6 @@
 //! which override) each of them sits.
 
 mod apart;
-mod boxes;
 mod build;
 pub mod description;
 mod document;
@@ -17,7 +16,6 @@ mod findings;
 mod idle;
 mod late;
 mod library;
-mod overlap;
 mod parse;
 mod path;
 mod place;
@@ -37,7 +35,6 @@ pub use description::SceneDescription;
 pub use document::SceneDocument;
 pub use late::{Arrival, Newcomer, contact_change_text, pull_text};
 pub use library::{BUILTIN_SCENES, BuiltinScene};
-pub use overlap::{Overlap, overlap};
 pub use presets::{PRESETS, Preset};
 pub use problem::{Location, Problem, SceneError, nearest};
 pub use shape::{MeshFile, Shape};

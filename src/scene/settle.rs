@@ -1,6 +1,6 @@
 //! How far a body can be lowered until it stands on another.
 
-use super::boxes;
+use crate::mesh::boxes;
 use crate::mesh::{Surface, TetMesh};
 use glam::{DVec2, DVec3};
 use parry3d_f64::bounding_volume::Aabb;

@@ -7,6 +7,7 @@
 //! free travel (`rigid`), `broad` keeps track of what is near, `collide` responds, `elastic` integrates a
 //! deforming `body`, `breaking` lets it crack, `rest` lets it travel freely or sleep again.
 
+mod arrival;
 mod body;
 mod breaking;
 mod broad;
@@ -28,6 +29,7 @@ mod step_factor;
 mod touch;
 mod world;
 
+pub use arrival::raise_clear;
 pub use body::MassScaling;
 pub use contact_change::{ContactChange, Entrance};
 pub use contact_log::ContactEpisode;
@@ -35,4 +37,4 @@ pub use pull::{PathPoint, Pull};
 pub use report::{PhaseTimes, Sample, Stage, StepReport};
 pub use round_off::RoundOff;
 pub use setup::*;
-pub use world::{ElementStress, NEVER_FAILED_S, SimError, World, raise_clear};
+pub use world::{ElementStress, NEVER_FAILED_S, SimError, World};

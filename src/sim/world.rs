@@ -1,5 +1,6 @@
 //! The world: all bodies and their common time.
 
+use super::arrival::start_clear;
 use super::body::{Body, MassScaling, Regime};
 use super::breaking::Breaking;
 use super::broad::BroadPhase;
@@ -316,8 +317,8 @@ impl World {
         Ok(())
     }
 
-    /// Adds a body at the present time and returns its number. Where its bounding box would cut into that of
-    /// another body, it starts above that body instead.
+    /// Adds a body at the present time and returns its number. Where it would be in the same space as another body, it starts
+    /// above that body instead.
     ///
     /// # Errors
     /// [`SimError::Setup`] when the body is unsound or its name is taken; the world stays as it is then.
@@ -326,8 +327,8 @@ impl World {
             return Err(SimError::Setup(format!("there is a body `{}` already", setup.name)));
         }
         self.place_free_bodies();
-        let boxes: Vec<_> = self.bodies.iter().filter_map(|b| bounds_m(&b.position_m)).collect();
-        raise_clear(&mut setup.mesh.nodes_m, &boxes);
+        let bodies: Vec<_> = self.bodies.iter().map(|b| (&b.position_m[..], &b.tets[..])).collect();
+        start_clear(&mut setup.mesh, &bodies);
         let mut body = Body::new(&setup, &self.setup.fracture)?;
         start(&mut body, &self.setup)?;
         // Who throws it does the work.
@@ -515,26 +516,6 @@ fn start(body: &mut Body, setup: &WorldSetup) -> Result<(), SimError> {
     }
     let context = StepContext { time_s: 0.0, step_s: 0.0, gravity_m_s2: setup.gravity_m_s2 };
     body.update_acceleration(&context)
-}
-
-/// Moves nodes up until the box around them is clear of all others, each from its lowest to its highest corner, m: a body
-/// that comes in starts there.
-pub fn raise_clear(nodes_m: &mut [DVec3], boxes: &[(DVec3, DVec3)]) {
-    /// Free height above the body below, as a share of the newcomer's size.
-    const GAP_SHARE: f64 = 0.05;
-    // Each round clears one box for good, since the way only leads up.
-    for _ in 0..boxes.len() {
-        let Some((low, high)) = bounds_m(nodes_m) else { return };
-        let cuts = |b: &&(DVec3, DVec3)| b.0.cmple(high).all() && low.cmple(b.1).all();
-        let Some((_, top)) = boxes.iter().find(cuts) else { return };
-        let lift_m = top.z - low.z + GAP_SHARE * (high - low).max_element();
-        nodes_m.iter_mut().for_each(|x| x.z += lift_m);
-    }
-}
-
-fn bounds_m(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
-    let first = *points.first()?;
-    Some(points.iter().fold((first, first), |(low, high), x| (low.min(*x), high.max(*x))))
 }
 
 fn check(setup: &WorldSetup) -> Result<(), SimError> {

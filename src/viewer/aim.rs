@@ -1,8 +1,10 @@
 //! Throwing with the mouse: where the body starts, where it is aimed, how fast.
 
+use super::foresight::Foreseen;
 use super::pick;
+use super::snapshot::Snapshot;
 use super::thrown::{Placing, TOOL, Throw, ThrowKind, typical_size_in};
-use crate::frame::Frame;
+use crate::frame::{BodyFrame, Frame};
 use crate::render::Camera;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -10,6 +12,8 @@ use glam::{DVec3, Vec2, Vec3};
 const PATH_POINTS: usize = 24;
 /// Gravity of the drawn path, m/s2: scenes that have another are few, and the line is only an aim.
 const GRAVITY_M_S2: f32 = 9.81;
+/// What falls begins so far below the upper edge of the picture, as a share of its height: legends hide what is above.
+const TOP_MARGIN: f32 = 0.04;
 /// Shortest drag that throws, as a share of the picture's height.
 const SHORTEST_DRAG: f32 = 0.01;
 
@@ -28,8 +32,12 @@ pub struct Aim {
     pub spin_rad_s: f64,
     /// Start and present place of the drag, as shares of the picture.
     pub drag: Option<[Vec2; 2]>,
-    /// Counts the drags.
-    pub drags: u64,
+    /// Whether the drag has ended, and only the place of its start is still to be found.
+    pub is_let_go: bool,
+    /// Counts the questions for what would be thrown.
+    pub asks: u64,
+    /// What was asked for last, and in which scene.
+    asked_for: Option<(ThrowKind, String, [u64; 3])>,
     /// Whether the button still is down that drew a line before aiming ended: it turns no camera.
     pub is_spent: bool,
 }
@@ -43,7 +51,9 @@ impl Default for Aim {
             speed_m_s: 8.0,
             spin_rad_s: 0.0,
             drag: None,
-            drags: 0,
+            is_let_go: false,
+            asks: 0,
+            asked_for: None,
             is_spent: false,
         }
     }
@@ -54,9 +64,16 @@ impl Default for Aim {
 pub struct Path {
     /// From where the body starts to what it is aimed at, m.
     pub points_m: Vec<Vec3>,
-    /// Where the body was asked to start, m.
     start_m: Vec3,
     velocity_m_s: Vec3,
+}
+
+impl Path {
+    /// The velocity at its start, m/s.
+    #[must_use]
+    pub fn velocity_m_s(&self) -> DVec3 {
+        self.velocity_m_s.as_dvec3()
+    }
 }
 
 impl Aim {
@@ -64,6 +81,7 @@ impl Aim {
     pub fn arm(&mut self, is_armed: bool) {
         self.is_armed = is_armed;
         self.is_spent |= self.drag.take().is_some();
+        self.is_let_go = false;
     }
 
     /// A speed that suits the size of a scene: that of a fall over some lengths of its bodies.
@@ -79,26 +97,41 @@ impl Aim {
         self.drag.map(|[from, _]| pick::in_focus(camera, &camera.ray_in_world(from, aspect)))
     }
 
-    /// The throw whose body the drag would bring in, before it has a direction.
+    /// A throw of the body that was chosen, from nowhere in particular.
     #[must_use]
-    pub fn foresight(&self, camera: &Camera, aspect: f32) -> Option<Throw> {
-        let position_m = self.start_m(camera, aspect)?.as_dvec3();
-        let placing = Placing::From { position_m, velocity_m_s: DVec3::ZERO, spin_rad_s: DVec3::ZERO };
-        Some(Throw { kind: self.kind.clone(), material: self.material.clone(), placing })
+    pub fn foresight(&self) -> Throw {
+        let placing =
+            Placing::From { position_m: DVec3::ZERO, velocity_m_s: DVec3::ZERO, spin_rad_s: DVec3::ZERO };
+        Throw { kind: self.kind.clone(), material: self.material.clone(), placing }
     }
 
-    /// The path of the throw that the drag stands for, of a body that has to start so much higher, m; `None` when the drag is
-    /// too short.
+    /// The same, where it is not known yet what that comes to in this scene; asks once.
+    pub fn next_foresight(&mut self, snapshot: &Snapshot) -> Option<Throw> {
+        let bodies = snapshot.body_names.len() as u64;
+        let wanted = (self.kind.clone(), self.material.clone(), [snapshot.opened, snapshot.built, bodies]);
+        let is_new =
+            snapshot.scene.is_some() && self.drag.is_none() && self.asked_for.as_ref() != Some(&wanted);
+        is_new.then(|| {
+            self.asked_for = Some(wanted);
+            self.foresight()
+        })
+    }
+
+    /// What of the scene is the chosen body, if that is what was foreseen.
     #[must_use]
-    pub fn path(&self, frame: &Frame, camera: &Camera, aspect: f32, lift_m: f32) -> Option<Path> {
+    pub fn chosen<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Foreseen> {
+        let foreseen = snapshot.foreseen.as_deref()?;
+        (foreseen.throw == self.foresight()).then_some(foreseen)
+    }
+
+    /// The path of the throw that the drag stands for, of a body that starts at a place, m; `None` when the drag is too short.
+    #[must_use]
+    pub fn path(&self, frame: &Frame, camera: &Camera, aspect: f32, start_m: Vec3) -> Option<Path> {
         let [from, to] = self.drag?;
         let way = (to - from) * Vec2::new(aspect, 1.0);
         if way.length() < SHORTEST_DRAG {
             return None;
         }
-        let asked_m = self.start_m(camera, aspect)?;
-        // It still flies to what it is aimed at.
-        let start_m = asked_m + Vec3::Z * lift_m;
         let aim_m = pick::point_under(frame, camera, to, aspect);
         let gravity = if frame.is_weightless { 0.0 } else { GRAVITY_M_S2 };
         let (velocity_m_s, time_s) = flight(aim_m - start_m, self.speed_m_s as f32, gravity)?;
@@ -106,29 +139,53 @@ impl Aim {
             let t = time_s * index as f32 / (PATH_POINTS - 1) as f32;
             start_m + velocity_m_s * t - Vec3::Z * (0.5 * gravity * t * t)
         };
-        Some(Path { points_m: (0..PATH_POINTS).map(at).collect(), start_m: asked_m, velocity_m_s })
+        Some(Path { points_m: (0..PATH_POINTS).map(at).collect(), start_m, velocity_m_s })
     }
 
     /// The throw along a path.
     #[must_use]
     pub fn throw(&self, path: &Path) -> Throw {
-        let across = path.velocity_m_s.cross(Vec3::Z).try_normalize().unwrap_or(Vec3::X);
         Throw {
             kind: self.kind.clone(),
             material: self.material.clone(),
             placing: Placing::From {
                 position_m: path.start_m.as_dvec3(),
                 velocity_m_s: path.velocity_m_s.as_dvec3(),
-                spin_rad_s: -across.as_dvec3() * self.spin_rad_s,
+                spin_rad_s: self.spin_rad_s(path),
             },
         }
     }
 
-    /// The same body, dropped from above.
+    /// The spin along a path, rad/s: rolling forwards.
     #[must_use]
-    pub fn drop(&self, kind: ThrowKind) -> Throw {
-        Throw { kind, material: self.material.clone(), placing: Placing::Above }
+    pub fn spin_rad_s(&self, path: &Path) -> DVec3 {
+        let across = path.velocity_m_s.cross(Vec3::Z).try_normalize().unwrap_or(Vec3::X);
+        -across.as_dvec3() * self.spin_rad_s
     }
+
+    /// The same body, dropped from above what a frame shows, in the picture if there is room.
+    #[must_use]
+    pub fn drop(&self, kind: ThrowKind, frame: &Frame, camera: &Camera, aspect: f32) -> Throw {
+        let placing = Placing::Above { top_m: top_m(frame, camera, aspect) };
+        Throw { kind, material: self.material.clone(), placing }
+    }
+}
+
+/// Up to what height the picture shows what is above the bodies that move, m; `None` where it shows nothing of that.
+fn top_m(frame: &Frame, camera: &Camera, aspect: f32) -> Option<f64> {
+    let bounds = frame.moving().filter_map(BodyFrame::bounds_m);
+    let bounds = bounds.map(|(low, high)| (Vec3::from(low), Vec3::from(high)));
+    let (low, high) = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+    let is_seen = |z_m: f32| {
+        let at = camera.picture_position(low.midpoint(high).with_z(z_m), aspect);
+        at.is_some_and(|at| at.y > TOP_MARGIN && (0.0..=1.0).contains(&at.x))
+    };
+    let (mut seen_m, mut unseen_m) = (high.z, high.z + camera.distance_m);
+    for _ in 0..20 {
+        let middle_m = 0.5 * (seen_m + unseen_m);
+        *(if is_seen(middle_m) { &mut seen_m } else { &mut unseen_m }) = middle_m;
+    }
+    is_seen(high.z).then_some(f64::from(seen_m))
 }
 
 /// The velocity (m/s) of this length with which something flies over `way_m` by the lower arc, and the time (s) that it takes;
@@ -170,16 +227,17 @@ mod tests {
         let camera = Camera::default();
         let mut aim = Aim { speed_m_s: 5.0, spin_rad_s: 2.0, ..Aim::default() };
         let frame = Frame { is_weightless: true, ..Frame::default() };
-        assert!(aim.path(&frame, &camera, 1.5, 0.0).is_none());
+        assert!(aim.path(&frame, &camera, 1.5, Vec3::ZERO).is_none());
         aim.drag = Some([Vec2::new(0.3, 0.5), Vec2::new(0.301, 0.5)]);
-        assert!(aim.path(&frame, &camera, 1.5, 0.0).is_none(), "a click is no throw");
+        assert!(aim.path(&frame, &camera, 1.5, Vec3::ZERO).is_none(), "a click is no throw");
         aim.drag = Some([Vec2::new(0.3, 0.5), Vec2::new(0.7, 0.5)]);
-        // From higher up it flies down to the same place; the start that is asked for stays.
-        let low = aim.path(&frame, &camera, 1.5, 0.0).unwrap();
-        let high = aim.path(&frame, &camera, 1.5, 0.5).unwrap();
-        assert!((high.points_m[0] - low.points_m[0] - 0.5 * Vec3::Z).length() < 1e-6);
-        assert!(high.velocity_m_s.z < low.velocity_m_s.z && high.start_m == low.start_m);
-        let path = low;
+        let start_m = aim.start_m(&camera, 1.5).unwrap();
+        let path = aim.path(&frame, &camera, 1.5, start_m).unwrap();
+        // From nearer to the eye it flies to the same place.
+        let nearer_m = start_m.lerp(camera.eye_m(), 0.3);
+        let nearer = aim.path(&frame, &camera, 1.5, nearer_m).unwrap();
+        let ends = [&path, &nearer].map(|path| *path.points_m.last().unwrap());
+        assert!((ends[0] - ends[1]).length() < 1e-4 && nearer.points_m[0] == nearer_m, "{ends:?}");
         let Placing::From { velocity_m_s, spin_rad_s, position_m } = aim.throw(&path).placing else {
             panic!("it is aimed")
         };

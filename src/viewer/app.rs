@@ -1,33 +1,31 @@
 //! The viewer without a window: its state, what buttons and keys do, and the panels laid out.
 
 mod seeing;
+mod taking_home;
 
-use self::seeing::Seen;
 use super::aim::Aim;
 use super::edits::Edits;
-use super::foresight::Ghost;
+use super::foresight::{Ghost, Sight};
 use super::inspection::Inspection;
 use super::look::Look;
 use super::player::Player;
 use super::recording::Recording;
 use super::saver::Saver;
-use super::saving::{self, GIF_FPS, Job, MOST_PICTURES, Shot};
 use super::simulation::Simulation;
 use super::snapshot::{Command, Looked, Notice, Snapshot};
 use super::thumbnails::{Sketch, Sketcher};
 use super::ui::{self, Action};
 use crate::frame::Frame;
-use crate::render::{Camera, Caption, View};
+use crate::render::{Camera, View};
 use crate::scene::BUILTIN_SCENES;
 use egui::{Rect, TextureId, Ui};
+use seeing::Seen;
 use std::sync::Arc;
+use taking_home::SaveState;
+pub use taking_home::{SaveKind, in_a_sentence};
 
 /// Title of the window without a scene.
 pub const TITLE: &str = "hammerfall";
-/// Width of the largest animation, pixels: larger ones get unwieldy.
-const LARGEST_GIF_PX: u32 = 960;
-/// How often the window looks how far saving is.
-const SAVING_LOOK: std::time::Duration = std::time::Duration::from_millis(50);
 /// How long the window says what was done, s of wall time.
 const PASSING_S: f64 = 8.0;
 /// Longest time by which the recording goes on in one frame, s of wall time.
@@ -72,6 +70,8 @@ pub struct App {
     pub look: Look,
     /// What the mouse would throw.
     pub aim: Aim,
+    /// What it would bring in, where that would start.
+    ghost: Option<Ghost>,
     /// The body that the mouse holds.
     pub hold: Option<ui::grab::Hold>,
     /// Which recorded moment is shown.
@@ -92,8 +92,8 @@ pub struct App {
     pub is_gallery: bool,
     /// Number of the notice that was dismissed last.
     dismissed: u64,
-    /// What the window itself has done.
-    said: Option<String>,
+    /// Time of the window, s.
+    now_s: f64,
     /// What is said for now, and when that began, s.
     passing: Option<(String, f64)>,
     /// Where the picture goes, points.
@@ -108,49 +108,6 @@ pub struct App {
     sketches: Vec<Sketch>,
     sketches_drawn: usize,
     actions: Vec<Action>,
-}
-
-/// What can be saved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SaveKind {
-    /// The moment shown, as PNG.
-    Picture,
-    /// A range of the timeline, as GIF.
-    Animation,
-    /// The scene, as TOML.
-    Scene,
-    /// The fragments, as OBJ.
-    Obj,
-    /// The fragments, as PLY.
-    Ply,
-}
-
-/// Where files go, and what came of the last one.
-#[derive(Clone, Debug)]
-pub struct SaveState {
-    /// Folder.
-    pub folder: String,
-    /// Range of the animation, percent of the recording; `None`: all of it.
-    pub shares: Option<[f64; 2]>,
-    /// How the last one came out.
-    pub outcome: Option<String>,
-    /// Whether that can be read in its panel.
-    pub is_in_sight: bool,
-}
-
-impl Default for SaveState {
-    fn default() -> Self {
-        let here = std::env::current_dir().unwrap_or_default();
-        Self { folder: here.to_string_lossy().into_owned(), shares: None, outcome: None, is_in_sight: false }
-    }
-}
-
-impl SaveState {
-    /// Start and end of the animation, s, of a recording that ends at `end_s`.
-    #[must_use]
-    pub fn range(&self, end_s: f64) -> [f64; 2] {
-        self.shares.unwrap_or([0.0, 100.0]).map(|share| 0.01 * share * end_s)
-    }
 }
 
 /// A picture that the window's graphics should draw.
@@ -175,6 +132,7 @@ impl App {
             edits: Edits::default(),
             look: Look::default(),
             aim: Aim::default(),
+            ghost: None,
             hold: None,
             player: Player::default(),
             saver: Saver::default(),
@@ -185,7 +143,7 @@ impl App {
             panels: Panels::default(),
             is_gallery: true,
             dismissed: 0,
-            said: None,
+            now_s: 0.0,
             passing: None,
             viewport: None,
             picture: None,
@@ -226,7 +184,7 @@ impl App {
         if let Some(trouble) = &self.trouble {
             return Some(trouble);
         }
-        self.session_notice().map(|notice| notice.text.as_str()).or(self.said.as_deref())
+        self.session_notice().map(|notice| notice.text.as_str())
     }
 
     /// Whether the notice only says what was done.
@@ -245,7 +203,7 @@ impl App {
             self.passing = None;
             return;
         };
-        let now_s = context.input(|input| input.time);
+        let now_s = self.now_s;
         let began_s = match &self.passing {
             Some((said, began_s)) if said == text => *began_s,
             _ => {
@@ -266,11 +224,7 @@ impl App {
         if self.trouble.take().is_some() {
             return;
         }
-        if self.session_notice().is_some() {
-            self.dismissed = self.snapshot.notice.as_ref().map_or(0, |notice| notice.number);
-        } else {
-            self.said = None;
-        }
+        self.dismissed = self.snapshot.notice.as_ref().map_or(0, |notice| notice.number);
     }
 
     /// What is shown: the recorded moment looked at, or the present.
@@ -281,11 +235,19 @@ impl App {
 
     /// What the throw under way would bring in, where it would start; `None` until that is known.
     #[must_use]
-    pub fn ghost(&self) -> Option<Ghost<'_>> {
-        let start_m = self.aim.start_m(&self.look.camera, self.aspect())?;
-        let foreseen =
-            self.snapshot.foreseen.as_ref().filter(|foreseen| foreseen.number == self.aim.drags)?;
-        Some(foreseen.at(start_m, self.shown()))
+    pub fn ghost(&self) -> Option<&Ghost> {
+        self.ghost.as_ref()
+    }
+
+    /// Finds a place for what the throw under way would bring in, once for each frame that is seen.
+    pub fn place_ghost(&mut self) {
+        let before = self.ghost.take();
+        let foreseen = self.snapshot.foreseen.as_ref().filter(|foreseen| foreseen.number == self.aim.asks);
+        let (Some([at, _]), Some(foreseen)) = (self.aim.drag, foreseen) else { return };
+        let sight =
+            Sight { frame: self.shown().clone(), camera: self.look.camera, aspect: self.aspect(), at };
+        let is_known = before.as_ref().is_some_and(|ghost| ghost.is_of(foreseen, &sight));
+        self.ghost = if is_known { before } else { Some(Ghost::new(foreseen.clone(), sight)) };
     }
 
     /// The recorded moment that is shown, once it was looked into.
@@ -311,6 +273,7 @@ impl App {
 
     /// Lays out the whole window for one frame and does what was asked for in it.
     pub fn update(&mut self, ui: &mut Ui) {
+        self.now_s = ui.ctx().input(|input| input.time);
         self.take_news();
         self.play_recording(ui.ctx());
         self.look_after_saving(ui.ctx());
@@ -402,6 +365,7 @@ impl App {
         if let Some(base) = snapshot.base.as_ref().filter(|_| snapshot.opened != before.opened) {
             self.edits = Edits::of(base);
             self.look.open(&snapshot);
+            self.save.told.clear();
             self.aim.suit(&snapshot.frame);
             self.aim.kind = super::thrown::ThrowKind::Hammer;
             self.aim.material = super::thrown::TOOL.to_owned();
@@ -451,83 +415,6 @@ impl App {
         }
     }
 
-    /// Times of the pictures of the animation, s.
-    #[must_use]
-    pub fn animation_times(&self) -> Vec<f64> {
-        let end_s = self.snapshot.recording.moments().last().map_or(0.0, |moment| moment.time_s);
-        let [from_s, to_s] = self.save.range(end_s);
-        let wall_s = (to_s - from_s) / self.snapshot.speed.max(1e-9);
-        let count = ((wall_s * GIF_FPS).ceil() as usize).clamp(1, MOST_PICTURES);
-        let step_s = (to_s - from_s) / count as f64;
-        (0..=count).map(|index| from_s + step_s * index as f64).collect()
-    }
-
-    fn shot(&self, with_motion: bool) -> Shot {
-        let mut size_px = self.viewport.map_or([960, 540], |area| {
-            // Even sizes, which every player likes.
-            [area.width(), area.height()].map(|side| (side / 2.0).round().max(32.0) as u32 * 2)
-        });
-        if with_motion && size_px[0] > LARGEST_GIF_PX {
-            let scale = f64::from(LARGEST_GIF_PX) / f64::from(size_px[0]);
-            size_px = size_px.map(|side| (f64::from(side) * scale / 2.0).round().max(16.0) as u32 * 2);
-        }
-        let slow_motion = (with_motion && self.snapshot.speed > 0.0).then(|| 1.0 / self.snapshot.speed);
-        let caption = Caption { show_time: true, slow_motion, text: String::new() };
-        let view = View { caption: Some(caption), ..self.look.view(1.0) };
-        Shot { camera: self.look.camera, view, seeing: self.look.seeing(), size_px }
-    }
-
-    fn save(&mut self, kind: SaveKind) {
-        let Some(scene) = self.snapshot.scene.clone() else { return };
-        let job = match kind {
-            SaveKind::Picture => Job::Picture(self.drawn().clone(), Box::new(self.shot(false))),
-            SaveKind::Animation => {
-                let recording = &self.snapshot.recording;
-                let at = |time_s| recording.at(time_s).map(|moment| moment.frame.clone());
-                let frames = self.animation_times().into_iter().filter_map(at).collect();
-                Job::Animation(frames, Box::new(self.shot(true)))
-            }
-            SaveKind::Scene => {
-                let snapshot = &self.snapshot;
-                let late = (&*snapshot.late_text, snapshot.frame.time_s);
-                match saving::scene_text(&scene, late, &self.look, snapshot.speed) {
-                    Ok(text) => Job::Scene(text),
-                    Err(reason) => {
-                        self.trouble = Some(format!("The scene was not saved: {reason}"));
-                        return;
-                    }
-                }
-            }
-            // Whole and where it is: cuts and explosions are only for the eye.
-            SaveKind::Obj => Job::Obj(self.shown().clone()),
-            SaveKind::Ply => Job::Ply(self.shown().clone()),
-        };
-        if let Err(reason) = self.saver.start(job, &self.save.folder, &scene.name) {
-            self.trouble = Some(reason);
-        }
-    }
-
-    /// Tells how saving came out. A failure stays until it is closed.
-    fn look_after_saving(&mut self, context: &egui::Context) {
-        while let Some(outcome) = self.saver.finished() {
-            match outcome {
-                Ok(text) => {
-                    if !self.save.is_in_sight {
-                        self.said = Some(in_a_sentence(&text));
-                    }
-                    self.save.outcome = Some(text);
-                }
-                Err(reason) => {
-                    self.save.outcome = None;
-                    self.trouble = Some(format!("Not saved: {reason}"));
-                }
-            }
-        }
-        if self.saver.is_busy() {
-            context.request_repaint_after(SAVING_LOOK);
-        }
-    }
-
     /// Looks closely at an element, by the numbers of its body and of itself.
     pub fn inspect(&mut self, body: usize, element: u32) {
         self.simulation.send(Command::Inspect(Some((body, element))));
@@ -573,9 +460,14 @@ impl App {
             Action::Again => self.reset(true),
             Action::SetSpeed(speed) => self.simulation.send(Command::SetSpeed(speed)),
             Action::Throw(throw) => self.edit_scene(Command::Throw(throw)),
+            Action::Drop(kind) => {
+                let throw = self.aim.drop(kind, self.shown(), &self.look.camera, aspect);
+                self.edit_scene(Command::Throw(throw));
+            }
             Action::Foresee(throw) => {
+                self.aim.asks += 1;
                 let time_s = self.player.moment(&self.snapshot.recording).map(|moment| moment.time_s);
-                self.simulation.send(Command::Foresee { number: self.aim.drags, throw, time_s });
+                self.simulation.send(Command::Foresee { number: self.aim.asks, throw, time_s });
             }
             Action::Remove(body) => self.edit_scene(Command::Remove(body)),
             Action::Inspect(body, element) => self.inspect(body, element),
@@ -624,7 +516,8 @@ impl App {
             Action::ToggleHelp => self.panels.help = !self.panels.help,
             Action::Save(kind) => self.save(kind),
             Action::CancelSaving => self.saver.cancel(),
-            Action::DismissNotice => self.dismiss_notice(),
+            Action::DismissNotice if self.notice().is_some() => self.dismiss_notice(),
+            Action::DismissNotice | Action::DismissSaved => self.save.close(),
         }
     }
 
@@ -640,11 +533,4 @@ impl App {
             self.simulation.send(Command::Reset { overrides: self.edits.overrides(base, running), keep });
         }
     }
-}
-
-/// A text with a large letter at its beginning.
-pub fn in_a_sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
-    format!("{first}{}", letters.as_str())
 }

@@ -111,6 +111,24 @@ impl History {
         self.offered = (self.rows.len() as u64) << self.thinning;
     }
 
+    /// Takes the rows after a time, s, out.
+    pub fn split_off(&mut self, time_s: f64) -> Self {
+        let later = self.rows.partition_point(|row| row.time_s <= time_s);
+        let rows = self.rows.split_off(later);
+        self.offered = (self.rows.len() as u64) << self.thinning;
+        Self { offered: (rows.len() as u64) << self.thinning, rows, thinning: self.thinning }
+    }
+
+    /// Puts rows behind, later than all before.
+    pub fn append(&mut self, later: &Self) {
+        self.rows.extend_from_slice(&later.rows);
+        self.thinning = self.thinning.max(later.thinning);
+        while self.rows.len() > MOST_ROWS {
+            self.thin_out();
+        }
+        self.offered = (self.rows.len() as u64) << self.thinning;
+    }
+
     fn thin_out(&mut self) {
         let mut is_kept = false;
         self.rows.retain(|_| {

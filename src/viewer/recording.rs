@@ -140,6 +140,14 @@ impl Recording {
         self.moments.get(after.saturating_sub(1))
     }
 
+    /// The moment nearest to `time_s`.
+    #[must_use]
+    pub fn nearest(&self, time_s: f64) -> Option<&Moment> {
+        let (before, after) = (self.at(time_s)?, self.beside(time_s, 1)?);
+        let is_after = (after.time_s - time_s).abs() < (time_s - before.time_s).abs();
+        Some(if is_after { after } else { before })
+    }
+
     /// The moment `by` places after the one shown at `time_s`.
     #[must_use]
     pub fn beside(&self, time_s: f64, by: isize) -> Option<&Moment> {
@@ -175,6 +183,27 @@ impl Recording {
         self.marks.retain(|mark| mark.time_s <= time_s && mark.edits <= edits);
         self.count_bytes();
         self.offered = (self.moments.len() as u64) << self.thinning;
+    }
+
+    /// Takes what comes after a moment out.
+    pub fn split_off(&mut self, time_s: f64, edits: usize) -> Self {
+        let mut later = Self { reserved_bytes: 0, world_bytes: 0, ..self.clone() };
+        self.cut_after(time_s, edits);
+        later.moments.retain(|moment| moment.time_s > time_s || moment.edits > edits);
+        later.marks.retain(|mark| mark.time_s > time_s || mark.edits > edits);
+        later.count_bytes();
+        later
+    }
+
+    /// Puts what was recorded later behind.
+    pub fn append(&mut self, later: &Self) {
+        self.moments.extend_from_slice(&later.moments);
+        self.marks.extend_from_slice(&later.marks);
+        self.world_bytes += later.world_bytes;
+        self.thinning = self.thinning.max(later.thinning);
+        self.offered = (self.moments.len() as u64) << self.thinning;
+        self.count_bytes();
+        self.keep_within_limit();
     }
 
     /// Changes the limit of memory.

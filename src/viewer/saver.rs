@@ -11,8 +11,18 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 /// Most jobs that wait for their turn: each holds on to what it saves.
 const MOST_WAITING: usize = 20;
 
+/// How a job came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finished {
+    /// Of its file's name.
+    pub ending: &'static str,
+    /// How.
+    pub outcome: Outcome,
+}
+
 /// A job under way.
 struct Running {
+    ending: &'static str,
     done: Arc<AtomicUsize>,
     steps: usize,
     wants_end: Arc<AtomicBool>,
@@ -33,13 +43,16 @@ pub struct Saver {
     animation: Option<Running>,
     other: Option<Running>,
     waiting: VecDeque<Waiting>,
+    /// What could not even be started when it had its turn.
+    refused: VecDeque<Finished>,
     studio: Studio,
 }
 
 impl Running {
     /// Starts a job that writes `folder/stem.ending`, with a number if there is such a file already.
     fn start(Waiting { job, folder, stem }: Waiting, studio: &Studio) -> Result<Self, String> {
-        let what = free_path(Path::new(folder.trim()), &stem, job.ending());
+        let ending = job.ending();
+        let what = free_path(Path::new(folder.trim()), &stem, ending);
         let (sender, outcome) = channel();
         let done = Arc::new(AtomicUsize::new(0));
         let wants_end = Arc::new(AtomicBool::new(false));
@@ -59,21 +72,22 @@ impl Running {
             .name("saving".to_owned())
             .spawn(work)
             .map_err(|error| format!("nothing can be saved: {error}"))?;
-        Ok(Self { done, steps, wants_end, outcome, what })
+        Ok(Self { ending, done, steps, wants_end, outcome, what })
     }
 
     fn share(&self) -> f32 {
         self.done.load(Ordering::Relaxed) as f32 / self.steps.max(1) as f32
     }
 
-    fn finished(&self) -> Option<Outcome> {
-        match self.outcome.try_recv() {
-            Ok(outcome) => Some(outcome),
-            Err(TryRecvError::Empty) => None,
+    fn finished(&self) -> Option<Finished> {
+        let outcome = match self.outcome.try_recv() {
+            Ok(outcome) => outcome,
+            Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => {
-                Some(Err("saving stopped by a mistake in hammerfall; please report it".to_owned()))
+                Err("saving stopped by a mistake in hammerfall; please report it".to_owned())
             }
-        }
+        };
+        Some(Finished { ending: self.ending, outcome })
     }
 }
 
@@ -86,29 +100,33 @@ impl Saver {
         let next = Waiting { folder: folder.to_owned(), stem: stem.to_owned(), job };
         match next.job {
             Job::Animation(..) if self.animation.is_some() => {
-                Err("Another animation is being saved: one at a time, or cancel it.".to_owned())
+                Err("another animation is being saved; one at a time, or cancel it".to_owned())
             }
             Job::Animation(..) => {
                 self.animation = Some(Running::start(next, &self.studio)?);
                 Ok(())
             }
             _ if self.waiting.len() >= MOST_WAITING => {
-                Err("Not saved: many things wait to be saved already. Try again in a moment.".to_owned())
+                Err("many things wait to be saved already; try again in a moment".to_owned())
             }
             _ => {
                 self.waiting.push_back(next);
-                self.start_waiting()
+                self.start_waiting();
+                Ok(())
             }
         }
     }
 
-    fn start_waiting(&mut self) -> Result<(), String> {
-        if self.other.is_none()
+    fn start_waiting(&mut self) {
+        while self.other.is_none()
             && let Some(next) = self.waiting.pop_front()
         {
-            self.other = Some(Running::start(next, &self.studio)?);
+            let ending = next.job.ending();
+            match Running::start(next, &self.studio) {
+                Ok(running) => self.other = Some(running),
+                Err(reason) => self.refused.push_back(Finished { ending, outcome: Err(reason) }),
+            }
         }
-        Ok(())
     }
 
     /// The path of the animation being written and the share that is done.
@@ -131,15 +149,18 @@ impl Saver {
     }
 
     /// How a job came out, once.
-    pub fn finished(&mut self) -> Option<Outcome> {
-        if let Some(outcome) = self.other.as_ref().and_then(Running::finished) {
-            self.other = None;
-            // What cannot even be started has come out so, too; the rest has its turn with the next look.
-            return Some(self.start_waiting().and(outcome));
+    pub fn finished(&mut self) -> Option<Finished> {
+        if let Some(refused) = self.refused.pop_front() {
+            return Some(refused);
         }
-        let outcome = self.animation.as_ref().and_then(Running::finished)?;
+        if let Some(finished) = self.other.as_ref().and_then(Running::finished) {
+            self.other = None;
+            self.start_waiting();
+            return Some(finished);
+        }
+        let finished = self.animation.as_ref().and_then(Running::finished)?;
         self.animation = None;
-        Some(outcome)
+        Some(finished)
     }
 }
 
@@ -156,8 +177,8 @@ mod tests {
     fn next_outcome(saver: &mut Saver) -> Outcome {
         let asked = Instant::now();
         loop {
-            if let Some(outcome) = saver.finished() {
-                return outcome;
+            if let Some(finished) = saver.finished() {
+                return finished.outcome;
             }
             std::thread::sleep(Duration::from_millis(2));
             assert!(asked.elapsed() < TIME_LIMIT, "nothing is finished");

@@ -10,6 +10,7 @@ use crate::export::png::write_png;
 use crate::export::surface_mesh::{write_obj, write_ply};
 use crate::export::{ExportError, write_whole};
 use crate::frame::Frame;
+use crate::math::{to_digits, to_digits_of};
 use crate::render::{Camera, Cut, Gpu, OffScreen, Picture, View, cross_scale_pa};
 use crate::scene::description::Recording;
 use crate::scene::{Scene, SceneDescription, Shape};
@@ -241,18 +242,19 @@ pub fn scene_text(
     let mut names = std::iter::once("saved".to_owned()).chain((2..).map(|n| format!("saved-{n}")));
     let name = names.find(|name| !taken(name)).unwrap_or_default();
     let camera = look.camera;
-    let [x, y, z] = camera.target_m.to_array().map(f64::from);
+    let [x, y, z] = camera.target_m.to_array();
+    let degrees = |angle_rad: f32| to_digits_of(f64::from(angle_rad).to_degrees(), 1.0, 5);
     let text = format!(
         "[cameras.{name}]\ntarget = [{x:?}, {y:?}, {z:?}]\nyaw = {:?}\npitch = {:?}\ndistance = {:?}\nfield_of_view = {:?}\n",
-        f64::from(camera.yaw_rad).to_degrees(),
-        f64::from(camera.pitch_rad).to_degrees().clamp(-89.0, 89.0),
-        f64::from(camera.distance_m),
-        f64::from(camera.fov_y_rad).to_degrees(),
+        degrees(camera.yaw_rad),
+        degrees(camera.pitch_rad).clamp(-89.0, 89.0),
+        camera.distance_m,
+        degrees(camera.fov_y_rad),
     );
     let scene = scene.with_text(&format!("{late_text}{text}")).map_err(|error| error.to_string())?;
     let mut overrides = vec![
         format!("recording.camera={name:?}"),
-        format!("recording.slow_motion={:?}", 1.0 / speed.clamp(1e-9, 1.0)),
+        format!("recording.slow_motion={:?}", to_digits(1.0 / speed.clamp(1e-9, 1.0), 12)),
         format!("recording.color_by={}", look.color_by.name()),
     ];
     overrides.extend(closer_look(&scene.description.recording, look));
@@ -287,9 +289,9 @@ fn closer_look(recording: &Recording, look: &Look) -> Vec<String> {
     }
     match look.closer.cut() {
         Some(Cut { normal, position_m }) => {
-            let [x, y, z] = normal.to_array().map(|part| f64::from(part) + 0.0);
-            let at_m = f64::from(position_m);
-            overrides.push(format!("recording.cut={{ across = [{x:?}, {y:?}, {z:?}], at = {at_m:?} }}"));
+            let [x, y, z] = normal.to_array().map(|part| part + 0.0);
+            overrides
+                .push(format!("recording.cut={{ across = [{x:?}, {y:?}, {z:?}], at = {position_m:?} }}"));
         }
         None if recording.cut.is_some() => overrides.push("recording.cut=none".to_owned()),
         None => {}
@@ -416,8 +418,8 @@ mod tests {
         let mut save = |folder: &str| {
             saver.start(Job::Scene("title = \"x\"".to_owned()), folder, "mine").unwrap();
             loop {
-                if let Some(outcome) = saver.finished() {
-                    return outcome;
+                if let Some(finished) = saver.finished() {
+                    return finished.outcome;
                 }
                 std::thread::sleep(std::time::Duration::from_millis(2));
             }

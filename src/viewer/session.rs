@@ -1,5 +1,6 @@
 //! What the simulation thread does, without the thread: commands in, steps, snapshots out.
 
+mod course;
 mod edit_tree;
 mod hand;
 mod left;
@@ -10,23 +11,26 @@ mod scene_edits;
 mod timeline;
 
 use super::foresight::Foreseen;
-use super::history::{History, Row};
+use super::history::Row;
 use super::inspection::Inspection;
 use super::pacing::{FRAME_S, Pace, SpeedMeter};
-use super::recording::{Mark, Recording};
 use super::snapshot::{Command, Notice, Snapshot};
-use crate::frame::Frame;
 use crate::scene::{Scene, SceneError};
 use crate::sim::{ContactChange, ContactParameters, SimError, StepReport, World};
-use edit_tree::{Done, EditTree};
+use course::Course;
+use edit_tree::Done;
 use hand::Hand;
 use left::LeftRuns;
 use redo::Redoing;
 use std::sync::Arc;
-use timeline::Keyframe;
 
 /// Steps in a row that may leave time standing before the run counts as stuck.
 const STANDING_STEPS: u32 = 1000;
+
+/// What was done when a scene was reset, in words.
+const RESET: &str = "reset (all that was done left out)";
+/// The same, when what was done comes again.
+const RERUN: &str = "rerun (all that was done comes again)";
 
 /// A running scene.
 #[derive(Clone)]
@@ -39,103 +43,54 @@ struct Run {
 
 /// The state of the simulation thread.
 pub struct Session {
-    run: Option<Run>,
-    /// Contact set by the user, to be kept over resets.
-    contact: Option<ContactParameters>,
-    /// What of it was there when the world was built.
-    contact_given: Option<ContactParameters>,
+    /// What has been simulated.
+    course: Course,
+    /// The runs before the last resets, and the times from which somebody went back.
+    left: LeftRuns,
+    redoing: Option<Redoing>,
     speed: f64,
-    /// Time up to which playing hurries, s: where the scene's recording starts.
-    run_up_end_s: f64,
     is_playing: bool,
     pace: Option<Pace>,
     meter: SpeedMeter,
-    frame: Arc<Frame>,
-    /// Steps, time and edits that `frame` shows.
-    frame_of: Option<(u64, u64, usize)>,
-    history: Arc<History>,
-    /// Impulse and time since the last row of the history.
-    pressed_n_s: f64,
-    pressed_s: f64,
-    standing_steps: u32,
-    thrown: usize,
-    recording: Arc<Recording>,
-    /// Worlds to play on from, in the order of time.
-    keyframes: Vec<Keyframe>,
-    /// Of so many recorded moments one comes with a world.
-    keyframe_every: u32,
-    moments_since_keyframe: u32,
-    /// What was changed in the running scene.
-    edits: EditTree,
-    redoing: Option<Redoing>,
-    /// The runs before the last resets.
-    left: LeftRuns,
-    /// What the scene as it was built has in store.
-    planned: Arc<[Mark]>,
     /// The mouse, while it pulls at a body.
     hand: Option<Hand>,
     /// What the throw under way would bring in.
     foreseen: Option<Arc<Foreseen>>,
-    /// What earlier edits added to the scene's text that a reset kept.
-    kept_text: String,
     /// Body and element looked at closely.
     inspected: Option<(usize, u32)>,
     /// Whether frames hold what is inside the bodies.
     with_interior: bool,
     looked: Option<looking::LookedRun>,
-    /// Contacts that have a mark already.
-    contacts_marked: usize,
-    crack_area_m2: f64,
-    are_cracks_growing: bool,
     commands_done: u64,
     opened: u64,
     built: u64,
-    run_error: Option<String>,
     notice: Option<Notice>,
     notices: u64,
+    /// Number of the command before which a way back was told of: what is told during it comes on top of that.
+    way_back_told: Option<u64>,
 }
 
 impl Default for Session {
     fn default() -> Self {
         Self {
-            run: None,
-            contact: None,
-            contact_given: None,
+            course: Course::default(),
+            left: LeftRuns::default(),
+            redoing: None,
             speed: 1.0,
-            run_up_end_s: 0.0,
             is_playing: false,
             pace: None,
             meter: SpeedMeter::default(),
-            frame: Arc::default(),
-            frame_of: None,
-            history: Arc::default(),
-            pressed_n_s: 0.0,
-            pressed_s: 0.0,
-            standing_steps: 0,
-            thrown: 0,
-            recording: Arc::default(),
-            keyframes: Vec::new(),
-            keyframe_every: timeline::FIRST_KEYFRAME_EVERY,
-            moments_since_keyframe: 0,
-            edits: EditTree::default(),
-            redoing: None,
-            left: LeftRuns::default(),
-            planned: Arc::default(),
             hand: None,
             foreseen: None,
-            kept_text: String::new(),
             inspected: None,
             with_interior: false,
             looked: None,
-            contacts_marked: 0,
-            crack_area_m2: 0.0,
-            are_cracks_growing: false,
             commands_done: 0,
             opened: 0,
             built: 0,
-            run_error: None,
             notice: None,
             notices: 0,
+            way_back_told: None,
         }
     }
 }
@@ -191,7 +146,7 @@ impl Session {
     /// Steps to the next moment or, with elastic steps, the first one after it; `is_enough` is asked after every
     /// step. Returns whether it was reached.
     pub fn advance(&mut self, wall_s: f64, mut is_enough: impl FnMut() -> bool) -> bool {
-        if self.run.is_none() || !self.is_playing {
+        if self.course.run.is_none() || !self.is_playing {
             return true;
         }
         if self.redoing.is_some() {
@@ -201,7 +156,8 @@ impl Session {
         let speed = self.speed_now();
         let pace = *self.pace.get_or_insert_with(|| Pace::new(speed, time_s, wall_s));
         let end_s = self.end_ahead_s();
-        let run_up_end_s = if time_s < self.run_up_end_s { self.run_up_end_s } else { f64::INFINITY };
+        let run_up_end_s =
+            if time_s < self.course.run_up_end_s { self.course.run_up_end_s } else { f64::INFINITY };
         let moment_s = pace.moment_s().min(end_s).min(run_up_end_s);
         let mut has_moved = false;
         while !is_reached(time_s, moment_s) {
@@ -235,20 +191,20 @@ impl Session {
     /// The end of the scene, where playing pauses; infinite once it is reached, and while a body is held: then playing goes
     /// on beyond.
     fn end_ahead_s(&self) -> f64 {
-        let end_s = self.run.as_ref().map_or(f64::INFINITY, |run| run.scene.description.duration_s);
+        let end_s = self.course.run.as_ref().map_or(f64::INFINITY, |run| run.scene.description.duration_s);
         if self.hand.is_some() || is_reached(self.time_s(), end_s) { f64::INFINITY } else { end_s }
     }
 
     /// Simulated seconds a second: up to what the scene's recording shows at least real time, unless the user has chosen.
     fn speed_now(&self) -> f64 {
-        if self.time_s() < self.run_up_end_s { self.speed.max(1.0) } else { self.speed }
+        if self.time_s() < self.course.run_up_end_s { self.speed.max(1.0) } else { self.speed }
     }
 
     /// What the window should show.
     pub fn snapshot(&mut self) -> Snapshot {
         self.renew_frame();
         let looked = self.looked();
-        let run = self.run.as_ref();
+        let run = self.course.run.as_ref();
         Snapshot {
             commands_done: self.commands_done,
             opened: self.opened,
@@ -257,34 +213,34 @@ impl Session {
             scene: run.map(|run| run.scene.clone()),
             contact: run.map(|run| run.world.setup().contact.clone()),
             body_names: run.map(|run| run.body_names.clone()).unwrap_or_default(),
-            frame: self.frame.clone(),
-            history: self.history.clone(),
-            recording: self.recording.clone(),
+            frame: self.course.frame.clone(),
+            history: self.course.history.clone(),
+            recording: self.course.recording.clone(),
             inspection: run
                 .zip(self.inspected)
                 .and_then(|(run, (body, element))| Inspection::of(&run.world, body, element)),
             with_interior: self.with_interior,
             looked,
-            planned: self.planned.clone(),
+            planned: self.course.planned.clone(),
             foreseen: self.foreseen.clone(),
             undo: self.undo_words(),
             redo: self.redo_words(),
             redo_other: self.redo_other_words(),
             redoing: self.redoing_words(),
-            late_text: self.edits.text(self.time_s(), false).into(),
-            can_repeat: self.edits.len() > 0 || !self.kept_text.is_empty(),
+            late_text: self.course.edits.text(self.time_s(), false).into(),
+            can_repeat: self.course.edits.len() > 0 || !self.course.kept_text.is_empty(),
             is_playing: self.is_playing,
             speed: self.speed,
             real_time_factor: self.meter.factor().filter(|_| self.is_playing),
             stable_step_s: run.map_or(f64::INFINITY, |run| stable_step_s(&run.world)),
-            run_error: self.run_error.clone(),
+            run_error: self.course.run_error.clone(),
             notice: self.notice.clone(),
         }
     }
 
     /// Stops the run for a reason; a reset makes it run again.
     pub fn fail(&mut self, reason: String) {
-        self.run_error = Some(reason);
+        self.course.run_error = Some(reason);
         self.redoing = None;
         self.set_playing(false);
     }
@@ -299,13 +255,18 @@ impl Session {
         self.note(text, true);
     }
 
-    fn note(&mut self, text: String, is_passing: bool) {
+    fn note(&mut self, mut text: String, is_passing: bool) {
+        if self.way_back_told == Some(self.commands_done)
+            && let Some(before) = &self.notice
+        {
+            text = format!("{text}\n{}", before.text);
+        }
         self.notices += 1;
         self.notice = Some(Notice { number: self.notices, text, is_passing });
     }
 
     fn time_s(&self) -> f64 {
-        self.run.as_ref().map_or(0.0, |run| run.world.time_s())
+        self.course.time_s()
     }
 
     fn open(&mut self, name: &str, overrides: &[String], play: bool) {
@@ -321,11 +282,11 @@ impl Session {
         };
         self.opened += 1;
         self.inspected = None;
-        self.contact = None;
+        self.course.contact = None;
         self.speed = 1.0 / scene.description.recording.slow_motion.max(1.0);
         self.notice = None;
-        self.thrown = 0;
-        self.kept_text.clear();
+        self.course.thrown = 0;
+        self.course.kept_text.clear();
         self.left = LeftRuns::default();
         self.start(scene.clone(), scene.clone(), world, None);
         self.set_playing(play);
@@ -337,17 +298,17 @@ impl Session {
     fn close(&mut self) {
         let (opened, built, notices) = (self.opened, self.built, self.notices);
         let commands_done = self.commands_done;
-        let recording = Arc::new(Recording::with_limit(self.recording.limit_bytes()));
-        *self = Self { opened, built, notices, commands_done, recording, ..Self::default() };
+        let course = Course::with_limit(self.course.recording.limit_bytes());
+        *self = Self { opened, built, notices, commands_done, course, ..Self::default() };
     }
 
     /// Back to the start. `keep`: what was done on the way comes again at its time.
     fn reset(&mut self, overrides: &[String], keep: bool) {
         self.let_go();
-        let Some(run) = &self.run else { return };
+        let Some(run) = &self.course.run else { return };
         let base = run.base.clone();
         let kept = match keep {
-            true => format!("{}{}", self.kept_text, self.edits.text(run.world.time_s(), true)),
+            true => format!("{}{}", self.course.kept_text, self.course.edits.text(run.world.time_s(), true)),
             false => String::new(),
         };
         let built = with_kept(&base, overrides, &kept).and_then(|scene| {
@@ -357,13 +318,13 @@ impl Session {
         match built {
             Ok((scene, world)) => {
                 // Changes of contact that are kept come again by themselves.
-                let contact = self.contact.clone().filter(|_| !keep);
+                let contact = self.course.contact.clone().filter(|_| !keep);
                 let told = self.reset_text(keep);
-                self.leave_run(if keep { "starting again" } else { "going back to the start" }, keep);
+                self.leave_run(if keep { RERUN } else { RESET }, keep);
                 if !keep {
-                    self.thrown = 0;
+                    self.course.thrown = 0;
                 }
-                self.kept_text = kept;
+                self.course.kept_text = kept;
                 self.start(base, scene, world, contact);
                 self.share_memory();
                 told.into_iter().for_each(|told| self.mention(told));
@@ -381,20 +342,16 @@ impl Session {
         contact: Option<ContactParameters>,
     ) {
         self.built += 1;
-        self.run_error = None;
-        self.foreseen = None;
-        self.history = Arc::default();
-        (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
-        self.standing_steps = 0;
-        self.forget_recording();
-        self.run_up_end_s = scene.description.recording.start_s;
-        self.planned = planned::marks(&scene.description, !self.kept_text.is_empty());
+        (self.foreseen, self.redoing, self.hand, self.looked) = (None, None, None, None);
+        self.course = self.course.anew();
+        self.course.run_up_end_s = scene.description.recording.start_s;
+        self.course.planned = planned::marks(&scene.description, !self.course.kept_text.is_empty());
         self.restart_clock();
         let body_names = names_of(&world);
-        self.run = Some(Run { base, scene, world, body_names });
+        self.course.run = Some(Run { base, scene, world, body_names });
         contact.into_iter().for_each(|contact| self.set_contact(contact));
-        self.edits.give();
-        self.contact_given = self.contact.clone();
+        self.course.edits.give();
+        self.course.contact_given = self.course.contact.clone();
         self.note_moment();
     }
 
@@ -406,14 +363,14 @@ impl Session {
     }
 
     fn set_playing(&mut self, is_playing: bool) {
-        self.is_playing = is_playing && self.run.is_some() && self.run_error.is_none();
+        self.is_playing = is_playing && self.course.run.is_some() && self.course.run_error.is_none();
         self.restart_clock();
     }
 
     fn set_speed(&mut self, speed: f64) {
         if speed.is_finite() && speed > 0.0 {
             self.speed = speed;
-            self.run_up_end_s = 0.0;
+            self.course.run_up_end_s = 0.0;
             self.restart_clock();
         }
     }
@@ -424,7 +381,7 @@ impl Session {
     }
 
     fn set_contact(&mut self, contact: ContactParameters) {
-        let Some(run) = &self.run else { return };
+        let Some(run) = &self.course.run else { return };
         let ground = run.scene.description.ground.as_ref().map(|_| GROUND_BODY);
         let then = &run.world.setup().contact;
         let change = ContactChange::between(then, &contact, &run.body_names, ground);
@@ -436,7 +393,7 @@ impl Session {
 
     fn single_step(&mut self) {
         self.set_playing(false);
-        let Some(run) = self.run.as_ref().filter(|_| self.run_error.is_none()) else { return };
+        let Some(run) = self.course.run.as_ref().filter(|_| self.course.run_error.is_none()) else { return };
         let limit_s = run.world.time_s() + run.world.setup().time.free_interval_s;
         if self.take_step(limit_s) {
             self.note_moment();
@@ -446,7 +403,7 @@ impl Session {
     /// Takes a step of the world; `false` when the run cannot go on.
     fn take_step(&mut self, limit_s: f64) -> bool {
         self.lead_hand();
-        let Some(run) = &mut self.run else { return false };
+        let Some(run) = &mut self.course.run else { return false };
         let before_s = run.world.time_s();
         match run.world.step(limit_s) {
             Ok(report) => {
@@ -462,10 +419,10 @@ impl Session {
     }
 
     fn note_step(&mut self, report: &StepReport, has_moved: bool) -> bool {
-        self.pressed_n_s += report.contact_force_n * report.step_s;
-        self.pressed_s += report.step_s;
-        self.standing_steps = if has_moved { 0 } else { self.standing_steps + 1 };
-        if self.standing_steps < STANDING_STEPS {
+        self.course.pressed_n_s += report.contact_force_n * report.step_s;
+        self.course.pressed_s += report.step_s;
+        self.course.standing_steps = if has_moved { 0 } else { self.course.standing_steps + 1 };
+        if self.course.standing_steps < STANDING_STEPS {
             return true;
         }
         self.fail(format!(
@@ -483,14 +440,15 @@ impl Session {
 
     /// Adds a row to the history.
     fn note_balances(&mut self) {
-        let Some(run) = &self.run else { return };
-        let force_n = if self.pressed_s > 0.0 { self.pressed_n_s / self.pressed_s } else { 0.0 };
-        (self.pressed_n_s, self.pressed_s) = (0.0, 0.0);
+        let Some(run) = &self.course.run else { return };
+        let force_n =
+            if self.course.pressed_s > 0.0 { self.course.pressed_n_s / self.course.pressed_s } else { 0.0 };
+        (self.course.pressed_n_s, self.course.pressed_s) = (0.0, 0.0);
         let sample = run.world.sample();
         let row = Row::of(&sample, run.world.time_s(), force_n, stable_step_s(&run.world));
         let row = row.without(&run.world.round_off());
         self.note_marks(sample.crack_area_m2);
-        Arc::make_mut(&mut self.history).offer(row);
+        Arc::make_mut(&mut self.course.history).offer(row);
     }
 }
 

@@ -76,7 +76,7 @@ pub enum Command {
     Redo,
     /// Does again what had been done at this place before that.
     RedoOther,
-    /// Goes back to the recorded moment at this time, s; what came after is forgotten when time runs on.
+    /// Goes back to the recorded moment at this time, s; what came after it is left, and undo brings it back.
     PlayOnFrom {
         /// s.
         time_s: f64,

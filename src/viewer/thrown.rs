@@ -4,6 +4,7 @@
 //! and what a saved scene throws are the same to the last digit.
 
 use crate::frame::Frame;
+use crate::math::{to_digits, vector_to_digits_of};
 use crate::mesh::shapes::Hammer;
 use crate::scene::{Arrival, Newcomer, Scene};
 use crate::sim::{BodyMotion, BodySetup, Entrance, Material, World, WorldSetup};
@@ -18,6 +19,8 @@ const HEIGHT_SHARE: f64 = 0.6;
 /// One after the other, so that a heap stays readable; sRGB.
 const COLORS_SRGB: [[f32; 3]; 5] =
     [[0.85, 0.40, 0.31], [0.27, 0.56, 0.73], [0.91, 0.69, 0.29], [0.42, 0.65, 0.42], [0.58, 0.47, 0.70]];
+/// Beginning of the names of thrown bodies.
+const THROWN: &str = "thrown-";
 /// Name of the material that never breaks, made from the scene's own.
 pub const TOOL: &str = "tool";
 /// Density of it over that of the scene's own: a tool hits harder, and its elastic step is longer for it.
@@ -40,7 +43,10 @@ pub enum ThrowKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Placing {
     /// Falls from above the middle of what moves.
-    Above,
+    Above {
+        /// Height of the upper edge of the picture there, m: from below it, it is seen to fall.
+        top_m: Option<f64>,
+    },
     /// Flies from a point.
     From {
         /// m.
@@ -78,6 +84,16 @@ impl ThrowKind {
         }
     }
 
+    /// How far it reaches from its middle, as a share of a thrown hammer's length.
+    fn reach_share(&self) -> f64 {
+        match self {
+            Self::Hammer => 0.75,
+            Self::Cube => 0.34,
+            Self::Ball => 0.2,
+            Self::CopyOf(_) => 0.6,
+        }
+    }
+
     /// The `shape` of a scene file.
     fn shape(&self, size_m: f64) -> Option<String> {
         match self {
@@ -111,8 +127,7 @@ impl ThrowKind {
 
 /// Three digits: nobody measures a thrown ball, and the text stays readable.
 fn round(value: f64) -> f64 {
-    let scale = 10f64.powf(2.0 - value.abs().max(1e-12).log10().floor());
-    (value * scale).round() / scale
+    to_digits(value, 3)
 }
 
 /// The scene with the `number`-th thrown body (from 1) coming in now, that body as built, and what was added to the
@@ -131,18 +146,22 @@ pub fn scene_with_throw(
     // Each falls a little differently.
     let turn = number as f64 * 2.4;
     let (position_m, velocity_m_s, spin_rad_s) = match throw.placing {
-        Placing::Above => {
+        Placing::Above { top_m } => {
             let spin_rad_s = DVec3::new(0.6 * turn.sin(), 0.6 * turn.cos(), 0.4);
-            (place_above(size_m, world, turn), DVec3::ZERO, spin_rad_s)
+            let reach_m = throw.kind.reach_share() * size_m;
+            (place_above([size_m, reach_m], top_m, world, turn), DVec3::ZERO, spin_rad_s)
         }
         Placing::From { position_m, velocity_m_s, spin_rad_s } => (position_m, velocity_m_s, spin_rad_s),
     };
+    let (axis, angle_rad) = DQuat::from_euler(EulerRot::ZXY, turn, 0.3, 0.5).to_axis_angle();
+    // Before it acts: what is saved in few digits gives the same bytes.
     let arrival = Arrival {
-        name: free_name(&format!("thrown-{kind}"), number, scene, world),
-        position_m,
-        rotation: DQuat::from_euler(EulerRot::ZXY, turn, 0.3, 0.5),
-        velocity_m_s,
-        spin_rad_s,
+        name: free_name(&format!("{THROWN}{kind}"), number, scene, world),
+        position_m: vector_to_digits_of(position_m, size_m, 5),
+        axis: vector_to_digits_of(axis, 1.0, 4),
+        angle_degrees: to_digits(angle_rad.to_degrees(), 4),
+        velocity_m_s: vector_to_digits_of(velocity_m_s, velocity_m_s.length(), 5),
+        spin_rad_s: vector_to_digits_of(spin_rad_s, spin_rad_s.length(), 5),
         time_s: world.time_s(),
     };
     let shape = throw.kind.shape(size_m);
@@ -191,10 +210,12 @@ fn tool_text(setup: &WorldSetup) -> String {
     )
 }
 
-/// The median of the longest sides of the bodies that deform, m.
+/// The median of the longest sides of the bodies that deform, m, but for what was thrown in: one hammer after the other has
+/// the same size.
 #[must_use]
 pub fn typical_size_m(world: &World) -> f64 {
-    let sizes = deformable(world.setup()).filter_map(|body| body.mesh.bounds_m());
+    let own = deformable(world.setup()).filter(|body| !body.name.starts_with(THROWN));
+    let sizes = own.filter_map(|body| body.mesh.bounds_m());
     median(sizes.map(|(low, high)| (high - low).max_element()).collect())
 }
 
@@ -219,8 +240,8 @@ fn deformable(setup: &WorldSetup) -> impl Iterator<Item = &BodySetup> {
     setup.bodies.iter().filter(|body| matches!(body.motion, BodyMotion::Deformable(_)))
 }
 
-/// Above the middle of everything that deforms, a little off it.
-fn place_above(size_m: f64, world: &World, turn: f64) -> DVec3 {
+/// Above the middle of everything that deforms, a little off it, and where there is room for it below `top_m`.
+fn place_above([size_m, reach_m]: [f64; 2], top_m: Option<f64>, world: &World, turn: f64) -> DVec3 {
     let nodes = (0..world.body_count())
         .filter(|b| matches!(world.setup().bodies[*b].motion, BodyMotion::Deformable(_)))
         .filter(|b| !world.is_removed(*b))
@@ -231,10 +252,13 @@ fn place_above(size_m: f64, world: &World, turn: f64) -> DVec3 {
     });
     let (low, high) = bounds.unwrap_or_default();
     let off = DVec3::new(turn.cos(), turn.sin(), 0.0) * (0.12 * size_m);
-    low.midpoint(high).with_z(high.z + (HEIGHT_SHARE + 0.5) * size_m) + off
+    let highest_m = high.z + (HEIGHT_SHARE + 0.5) * size_m;
+    let in_sight_m = top_m.map_or(highest_m, |top_m| top_m - reach_m);
+    low.midpoint(high).with_z(highest_m.min(in_sight_m.max(high.z + 1.05 * reach_m))) + off
 }
 
-fn rubber() -> Material {
+/// What is thrown where nothing deforms.
+pub(super) fn rubber() -> Material {
     Material {
         name: "rubber".to_owned(),
         density_kg_m3: 1100.0,

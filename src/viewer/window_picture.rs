@@ -1,5 +1,6 @@
 //! The window as a picture, without a screen: the same panels over the same scene, and no clock.
 
+use super::aim::Aim;
 use super::app::App;
 use super::off_screen_window::OffScreenWindow;
 use super::pick::pick;
@@ -94,6 +95,9 @@ fn play_to(session: &mut Session, at_s: f64) -> Result<(), String> {
 fn draw(shot: &WindowShot, session: &mut Session) -> Result<Picture, GpuError> {
     let is_gallery = shot.state == WindowState::Gallery;
     let sketcher = if is_gallery { Sketcher::finished() } else { Sketcher::idle() };
+    // What the panel tells of it; nobody answers later.
+    let throw = Aim::default().foresight();
+    session.execute(Command::Foresee { number: 0, throw, time_s: None });
     let mut app = App::new(Simulation::still(session.snapshot()), sketcher);
     app.is_gallery = is_gallery;
     // Not where this happens to run: the same picture everywhere.

@@ -11,7 +11,8 @@ mod overrides;
 mod refused;
 mod shipped;
 
-use hammerfall::scene::{BUILTIN_SCENES, Location, Scene, SceneError, SceneSummary, overlap};
+use hammerfall::mesh::overlap;
+use hammerfall::scene::{BUILTIN_SCENES, Location, Scene, SceneError, SceneSummary};
 use hammerfall::sim::{BodyMotion, BoundaryAction, ContactMethod, World};
 use std::io::Write as _;
 use std::path::Path;

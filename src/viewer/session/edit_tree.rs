@@ -95,6 +95,21 @@ impl EditTree {
         self.path.iter().map(|node| &self.nodes[*node].edit)
     }
 
+    /// The way from the start to the present; each edit keeps its number in it for good.
+    pub fn path(&self) -> &[usize] {
+        &self.path
+    }
+
+    /// Goes to where another way leads.
+    pub fn go_to(&mut self, path: Vec<usize>) {
+        self.path = path;
+    }
+
+    /// The edit of a number in a way.
+    pub fn at(&self, number: usize) -> Option<&Edit> {
+        self.nodes.get(number).map(|node| &node.edit)
+    }
+
     /// The pull that was the edit of this number.
     pub fn pull_mut(&mut self, index: usize) -> Option<&mut Pull> {
         self.path.get(index).and_then(|node| self.nodes[*node].edit.pull_mut())

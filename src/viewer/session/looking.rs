@@ -28,7 +28,7 @@ impl Session {
     /// Whether frames hold what is inside the bodies.
     pub(super) fn set_interior(&mut self, is_wanted: bool) {
         self.with_interior = is_wanted;
-        self.frame_of = None;
+        self.course.frame_of = None;
         if let Some(looked) = &mut self.looked {
             looked.frame = None;
         }
@@ -37,7 +37,7 @@ impl Session {
     /// Looks into the recorded moment at a time, or into none.
     pub(super) fn look_into(&mut self, time_s: Option<f64>) {
         let before = self.looked.take();
-        let wanted = time_s.and_then(|time_s| self.recording.at(time_s)).map(|m| (m.time_s, m.edits));
+        let wanted = time_s.and_then(|time_s| self.course.recording.at(time_s)).map(|m| (m.time_s, m.edits));
         let Some((time_s, edits)) = wanted else { return };
         match self.run_from(before, time_s, edits) {
             Ok(run) => self.looked = Some(LookedRun { time_s, edits, run, frame: None }),
@@ -55,7 +55,7 @@ impl Session {
         let is_on_the_way = |before: &LookedRun| {
             before.edits == edits
                 && before.time_s <= time_s
-                && !self.keyframes.iter().any(|k| (before.time_s..=time_s).contains(&k.time_s()))
+                && !self.course.keyframes.iter().any(|k| (before.time_s..=time_s).contains(&k.time_s()))
         };
         match before.filter(is_on_the_way) {
             Some(mut before) => {

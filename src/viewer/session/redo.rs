@@ -4,6 +4,7 @@
 //! is recorded on the way: a slice at a time, so that commands are heard meanwhile.
 
 use super::super::pacing::FRAME_S;
+use super::course::Place;
 use super::timeline::named;
 use super::{Session, is_reached};
 use crate::render::with_unit;
@@ -31,46 +32,50 @@ enum Way {
 impl Session {
     /// What redo would make again, in words, while time goes there.
     pub(super) fn redoing_words(&self) -> Option<String> {
-        self.redoing.as_ref().and_then(|_| self.edits.next()).map(|edit| edit.what.clone())
+        self.redoing.as_ref().and_then(|_| self.course.edits.next()).map(|edit| edit.what.clone())
     }
 
-    /// What undo would take back: the last edit, or the reset before them all.
+    /// What undo would take back: the last edit, or the reset or the way back before it.
     pub(super) fn undo_words(&self) -> Option<String> {
-        let edit = self.edits.last_step().map(|(_, step)| step.what.as_str());
-        edit.or(self.undo_reset_words()).map(str::to_owned)
+        let edit = || self.course.edits.last_step().map(|(_, step)| step.what.as_str());
+        self.undo_left_words().or_else(edit).map(str::to_owned)
     }
 
-    /// What redo would do again: where a reset was taken back, that.
+    /// What redo would do again: where a reset or a way back was taken back, that.
     pub(super) fn redo_words(&self) -> Option<String> {
-        let edit = self.edits.next().map(|edit| edit.what.as_str());
-        self.redo_reset_words().or(edit).map(str::to_owned)
+        let edit = self.course.edits.next().map(|edit| edit.what.as_str());
+        self.redo_left_words().or(edit).map(str::to_owned)
     }
 
     /// What had been done here before that.
     pub(super) fn redo_other_words(&self) -> Option<String> {
-        let other = if self.redo_reset_words().is_some() { self.edits.next() } else { self.edits.other() };
+        let other = if self.redo_left_words().is_some() {
+            self.course.edits.next()
+        } else {
+            self.course.edits.other()
+        };
         other.map(|edit| edit.what.clone())
     }
 
     /// What a reset comes to, where something was done before it.
     pub(super) fn reset_text(&self, keep: bool) -> Option<String> {
-        let done = named(&self.edits.steps_after(0));
+        let done = named(&self.course.edits.steps_after(0));
         let back = "Ctrl Z goes back to where the scene was";
         match (keep, done.as_str()) {
-            (true, "") if self.kept_text.is_empty() => None,
+            (true, "") if self.course.kept_text.is_empty() => None,
             (true, "") => Some(
-                "From the start again: what was done before comes again, each at its mark on the timeline."
+                "Rerun from the start: what was done before comes again, each at its mark on the timeline."
                     .to_owned(),
             ),
             (true, done) => Some(format!(
-                "From the start again: what was done before comes again, each at its mark on the timeline ({done}). {back}."
+                "Rerun from the start: what was done before comes again, each at its mark on the timeline ({done}). {back}."
             )),
-            (false, "") if self.kept_text.is_empty() => None,
+            (false, "") if self.course.kept_text.is_empty() => None,
             (false, "") => {
-                Some(format!("From the start, without what was done before. {back}, with all of it."))
+                Some(format!("Reset to the start, without what was done before. {back}, with all of it."))
             }
             (false, done) => {
-                Some(format!("From the start, without what was done: {done}. {back}, with all of it."))
+                Some(format!("Reset to the start, without what was done: {done}. {back}, with all of it."))
             }
         }
     }
@@ -79,13 +84,14 @@ impl Session {
     pub(super) fn undo_last(&mut self) {
         self.let_go();
         let was_playing = self.is_playing;
-        let Some((edits, step)) = self.edits.last_step() else {
-            self.undo_reset();
+        if self.undo_left_words().is_some() {
+            self.undo_left();
             return self.set_playing(was_playing);
-        };
+        }
+        let Some((edits, step)) = self.course.edits.last_step() else { return };
         let (time_s, what) = (step.time_s, step.what.clone());
-        if self.go_back(time_s, edits) {
-            let other = self.edits.other().map(|other| {
+        if self.go_back(Place { time_s, edits }) {
+            let other = self.course.edits.other().map(|other| {
                 format!(" Ctrl Shift Y goes over to what was done here before: {}.", other.what)
             });
             let other = other.unwrap_or_default();
@@ -97,9 +103,9 @@ impl Session {
     /// Makes again, at its own time, what was left last.
     pub(super) fn redo_next(&mut self) {
         self.let_go();
-        if self.redoing.is_none() && self.redo_reset_words().is_some() {
+        if self.redoing.is_none() && self.redo_left_words().is_some() {
             let was_playing = self.is_playing;
-            self.redo_reset();
+            self.redo_left();
             return self.set_playing(was_playing);
         }
         self.redo_next_edit();
@@ -110,7 +116,7 @@ impl Session {
             redoing.count += 1;
             return;
         }
-        let Some(next) = self.edits.next() else { return };
+        let Some(next) = self.course.edits.next() else { return };
         let (time_s, what) = (next.time_s, next.what.clone());
         let (then_plays, moment_s) = (self.is_playing, self.time_s());
         let is_ahead = time_s > moment_s;
@@ -133,10 +139,10 @@ impl Session {
     /// Makes again what had been done at this place before that.
     pub(super) fn redo_other(&mut self) {
         self.let_go();
-        if self.redo_reset_words().is_some() {
+        if self.redo_left_words().is_some() {
             self.redo_next_edit();
-        } else if self.edits.other().is_some() {
-            self.edits.turn_to_other();
+        } else if self.course.edits.other().is_some() {
+            self.course.edits.turn_to_other();
             self.redo_next_edit();
         }
     }
@@ -151,20 +157,20 @@ impl Session {
     /// Goes on to what is made again, until it `is_enough` for now; `false` when there is more of the way.
     pub(super) fn go_on_redoing(&mut self, mut is_enough: impl FnMut() -> bool) -> bool {
         while self.redoing.is_some() {
-            let Some(next) = self.edits.next().map(|edit| edit.time_s) else { break };
+            let Some(next) = self.course.edits.next().map(|edit| edit.time_s) else { break };
             let is_there = match next {
                 ahead_s if ahead_s > self.time_s() => match self.play_to_redo(ahead_s, &mut is_enough) {
                     Way::Reached => true,
                     Way::Interrupted => return false,
                     Way::Failed => false,
                 },
-                now_s if now_s == self.time_s() && self.run_error.is_none() => true,
-                back_s => self.go_back(back_s, self.edits.len()),
+                now_s if now_s == self.time_s() && self.course.run_error.is_none() => true,
+                time_s => self.go_back(Place { time_s, edits: self.course.edits.len() }),
             };
             if !(is_there && self.make_next()) {
                 break;
             }
-            if self.edits.goes_on_as_one() {
+            if self.course.edits.goes_on_as_one() {
                 continue;
             }
             self.mention_redone();
@@ -179,7 +185,7 @@ impl Session {
     }
 
     fn mention_redone(&mut self) {
-        let Some((_, step)) = self.edits.last_step() else { return };
+        let Some((_, step)) = self.course.edits.last_step() else { return };
         let told = format!("Done again: {}.", step.what);
         self.mention(told);
     }

@@ -12,59 +12,72 @@ use std::sync::Arc;
 
 impl Session {
     pub(super) fn throw(&mut self, throw: &Throw) {
-        let (Some(run), None) = (&self.run, &self.run_error) else { return };
-        let made = scene_with_throw(throw, self.thrown + 1, &run.scene, &run.world);
+        let (Some(run), None) = (&self.course.run, &self.course.run_error) else { return };
+        let made = scene_with_throw(throw, self.course.thrown + 1, &run.scene, &run.world);
         let weightless = run.scene.description.gravity_m_s2.length() < 1e-6;
         let what = format!("{} thrown in", throw.kind.label());
         match made {
             Ok((scene, entrance, text)) => {
                 let asked_m = lowest_m(&entrance.body.mesh.nodes_m);
-                if self.edit(Done::Enter(Arc::new(scene), Arc::new(entrance), text), what) {
-                    self.thrown += 1;
-                    self.mention_lift(throw, asked_m);
+                if !self.edit(Done::Enter(Arc::new(scene), Arc::new(entrance), text), what) {
+                    return;
                 }
+                self.course.thrown += 1;
+                self.mention_start(throw, asked_m);
             }
             Err(reason) => return self.tell(format!("nothing was thrown: {reason}")),
         }
-        if weightless && throw.placing == Placing::Above {
+        if weightless && matches!(throw.placing, Placing::Above { .. }) {
             self.tell("There is no gravity in this scene: what is dropped stays where it is.".to_owned());
         }
     }
 
-    /// Says so where a body could not start at the place that was chosen for it.
-    fn mention_lift(&mut self, throw: &Throw, asked_m: f64) {
-        let Some(world) = self.run.as_ref().map(|run| &run.world) else { return };
-        let lift_m = lowest_m(world.positions_m(world.body_count() - 1)) - asked_m;
-        // From above it starts where there is room anyway.
-        if lift_m > 0.0 && throw.placing != Placing::Above {
-            self.mention(format!(
-                "{} thrown in. It starts {} higher, clear of what is there.",
-                throw.kind.label(),
-                with_unit(lift_m, "m")
-            ));
-        }
+    /// Says so where a body could not start at the place that was chosen for it, or is not seen to do anything.
+    fn mention_start(&mut self, throw: &Throw, asked_m: f64) {
+        let Some(world) = self.course.run.as_ref().map(|run| &run.world) else { return };
+        let lowest_m = lowest_m(world.positions_m(world.body_count() - 1));
+        let lift_m = lowest_m - asked_m;
+        let told = match throw.placing {
+            Placing::From { .. } if lift_m > 0.0 => {
+                format!("thrown in. It starts {} higher, clear of what is there", with_unit(lift_m, "m"))
+            }
+            Placing::From { .. } => return,
+            Placing::Above { top_m } => {
+                let is_seen = top_m.is_some_and(|top_m| lowest_m < top_m);
+                match (is_seen, self.is_playing) {
+                    (true, true) => return,
+                    (true, false) => "waits above. Play (Space) lets it fall".to_owned(),
+                    (false, true) => "falls from above the picture. F shows everything".to_owned(),
+                    (false, false) => {
+                        "waits above the picture: F shows it, play (Space) lets it fall".to_owned()
+                    }
+                }
+            }
+        };
+        self.mention(format!("{} {told}.", throw.kind.label()));
     }
 
     /// Builds what a throw into a moment would bring in; nothing, where it cannot be made: throwing it says why.
     pub(super) fn foresee(&mut self, number: u64, throw: &Throw, time_s: Option<f64>) {
         self.foreseen = None;
         let Placing::From { position_m, .. } = throw.placing else { return };
-        let then =
-            time_s.and_then(|time_s| self.recording.at(time_s)).map(|moment| (moment.time_s, moment.edits));
+        let then = time_s
+            .and_then(|time_s| self.course.recording.at(time_s))
+            .map(|moment| (moment.time_s, moment.edits));
         let (run, thrown) = match then {
-            None => (self.run.as_ref(), self.thrown),
+            None => (self.course.run.as_ref(), self.course.thrown),
             Some((time_s, edits)) => {
                 self.run_before(time_s, edits).map_or((None, 0), |(run, n)| (Some(run), n))
             }
         };
         let Some(run) = run else { return };
         if let Ok((_, entrance, _)) = scene_with_throw(throw, thrown + 1, &run.scene, &run.world) {
-            self.foreseen = Some(Arc::new(Foreseen::new(number, position_m, &entrance.body.mesh)));
+            self.foreseen = Some(Arc::new(Foreseen::new(number, throw, position_m, &entrance.body)));
         }
     }
 
     pub(super) fn remove(&mut self, body: usize) {
-        let (Some(run), None) = (&self.run, &self.run_error) else { return };
+        let (Some(run), None) = (&self.course.run, &self.course.run_error) else { return };
         let Some(name) = run.body_names.get(body).filter(|_| !run.world.is_removed(body)) else { return };
         let name = name.clone();
         if run.scene.entry_of(&name).is_none() {
@@ -84,7 +97,7 @@ impl Session {
         let edit = Edit { time_s: self.time_s(), done, what };
         let is_made = self.make(&edit);
         if is_made {
-            self.edits.push(edit.clone());
+            self.course.edits.push(edit.clone());
             self.mark_edit(edit);
         }
         is_made
@@ -92,26 +105,26 @@ impl Session {
 
     /// Makes what redo has to make, at the time that it is.
     pub(super) fn make_next(&mut self) -> bool {
-        let Some(edit) = self.edits.next().cloned() else { return false };
+        let Some(edit) = self.course.edits.next().cloned() else { return false };
         let is_made = self.make(&edit);
         if is_made {
-            self.edits.go_on();
-            self.thrown += usize::from(matches!(edit.done, Done::Enter(..)));
+            self.course.edits.go_on();
+            self.course.thrown += usize::from(matches!(edit.done, Done::Enter(..)));
             self.mark_edit(edit);
         }
         is_made
     }
 
     fn make(&mut self, edit: &Edit) -> bool {
-        if self.edits.would_begin_step(edit) && self.run_error.is_none() {
+        if self.course.edits.would_begin_step(edit) && self.course.run_error.is_none() {
             // Taking it back must not cost a long way. A world that failed is nothing to go back to.
             self.keep_world();
         }
-        let Some(run) = &mut self.run else { return false };
+        let Some(run) = &mut self.course.run else { return false };
         match run.make(&edit.done) {
             Ok(()) => {
                 if let Done::Contact(_) = edit.done {
-                    self.contact = Some(run.world.setup().contact.clone());
+                    self.course.contact = Some(run.world.setup().contact.clone());
                 }
                 true
             }
@@ -127,8 +140,8 @@ impl Session {
             return;
         }
         let Edit { time_s, what, .. } = edit;
-        let mark = Mark { time_s, kind: MarkKind::Edit, text: what, edits: self.edits.len() };
-        Arc::make_mut(&mut self.recording).mark(mark);
+        let mark = Mark { time_s, kind: MarkKind::Edit, text: what, edits: self.course.edits.len() };
+        Arc::make_mut(&mut self.course.recording).mark(mark);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::super::thrown::{Placing, TOOL, Throw, ThrowKind};
 use super::*;
 use crate::export::csv::HistoryWriter;
+use crate::frame::Frame;
 
 fn opened(scene: &str, overrides: &[&str]) -> Session {
     let mut session = Session::default();
@@ -13,7 +14,7 @@ fn opened(scene: &str, overrides: &[&str]) -> Session {
 
 /// A body that falls from above.
 fn dropped(kind: ThrowKind) -> Throw {
-    Throw { kind, material: TOOL.to_owned(), placing: Placing::Above }
+    Throw { kind, material: TOOL.to_owned(), placing: Placing::Above { top_m: Some(1e3) } }
 }
 
 /// Plays on to what is done again, stopped after every step.
@@ -47,7 +48,10 @@ fn a_scene_at_rest_has_no_balances_made_of_round_off() {
     let mut session = opened("pile-split", &[]);
     let row = session.snapshot().history.rows()[0];
     assert_eq!((row.kinetic_j, row.strain_j, row.potential_j, row.sum_j), (0.0, 0.0, 0.0, 0.0));
-    assert!(session.run.as_ref().unwrap().world.sample().strain_j != 0.0, "the scene has no round-off");
+    assert!(
+        session.course.run.as_ref().unwrap().world.sample().strain_j != 0.0,
+        "the scene has no round-off"
+    );
 }
 
 #[test]
@@ -59,7 +63,7 @@ fn what_is_seen_does_not_depend_on_the_clock() {
         // Interrupted after every step, and far behind.
         moments += u32::from(late.advance(f64::from(moments) * 9.0, || true));
     }
-    assert_eq!(punctual.history, late.history);
+    assert_eq!(punctual.course.history, late.course.history);
 }
 
 #[test]
@@ -70,12 +74,12 @@ fn elastic_steps_do_not_depend_on_the_speed() {
         let mut free_steps = 0;
         while session.time_s() < 1e-4 {
             session.advance(0.0, || false);
-            let world = &session.run.as_ref().unwrap().world;
+            let world = &session.course.run.as_ref().unwrap().world;
             if !world.is_deforming() {
                 free_steps = world.steps();
             }
         }
-        let world = &session.run.as_ref().unwrap().world;
+        let world = &session.course.run.as_ref().unwrap().world;
         (world.steps() - free_steps, world.sample().balance_j())
     };
     assert_eq!(elastic_steps_at(1.0 / 2e4), elastic_steps_at(1.0 / 3e5));
@@ -133,7 +137,7 @@ fn history_csv(session: &mut Session, until_s: f64) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("history.csv");
     let mut history = HistoryWriter::create(&path).unwrap();
-    let world = &mut session.run.as_mut().unwrap().world;
+    let world = &mut session.course.run.as_mut().unwrap().world;
     while !is_reached(world.time_s(), until_s) {
         world.step(until_s).unwrap();
         history.write(&world.sample()).unwrap();
@@ -202,18 +206,21 @@ fn dropped_bodies_start_clear_of_all_others_and_fall() {
     for kind in [ThrowKind::Hammer, ThrowKind::Cube, ThrowKind::Ball, ThrowKind::Cube] {
         session.execute(Command::Throw(dropped(kind)));
     }
-    let setup = session.run.as_ref().unwrap().world.setup().clone();
+    let setup = session.course.run.as_ref().unwrap().world.setup().clone();
     assert_eq!(setup.bodies.len(), 6);
+    // What was thrown before does not change the size of what is thrown.
+    let [one, other] = [3, 5].map(|body| setup.bodies[body].mesh.volume_m3());
+    assert!((one / other - 1.0).abs() < 1e-9, "{one} {other}");
     for second in 1..setup.bodies.len() {
         for first in 0..second {
             let [a, b] = [first, second].map(|body| &setup.bodies[body].mesh);
-            assert_eq!(crate::scene::overlap(a, b), None, "{first} {second}");
+            assert_eq!(crate::mesh::overlap(a, b), None, "{first} {second}");
         }
     }
-    let kinetic = |session: &Session| session.history.rows().last().unwrap().kinetic_j;
+    let kinetic = |session: &Session| session.course.history.rows().last().unwrap().kinetic_j;
     let before = kinetic(&session);
     play(&mut session, 60);
-    assert!(kinetic(&session) > before && session.run_error.is_none());
+    assert!(kinetic(&session) > before && session.course.run_error.is_none());
     assert_eq!(session.snapshot().frame.bodies.len(), 6);
 }
 
@@ -236,10 +243,10 @@ fn a_failed_run_keeps_its_last_frame_until_the_reset() {
     session.execute(Command::Play);
     session.execute(Command::Step);
     session.execute(Command::Throw(dropped(ThrowKind::Ball)));
-    let kept = session.keyframes.len();
+    let kept = session.course.keyframes.len();
     let contact = ContactParameters { friction_coefficient: 0.9, ..session.snapshot().contact.unwrap() };
     session.execute(Command::SetContact(contact));
-    assert_eq!(session.keyframes.len(), kept, "nobody goes back to a world that failed");
+    assert_eq!(session.course.keyframes.len(), kept, "nobody goes back to a world that failed");
     let snapshot = session.snapshot();
     assert!(!snapshot.is_playing && snapshot.run_error.is_some());
     assert_eq!(snapshot.frame.time_s, time_s);
@@ -250,7 +257,7 @@ fn a_failed_run_keeps_its_last_frame_until_the_reset() {
 
 /// Everything that sums up the state of the session's world now.
 fn state(session: &Session) -> String {
-    let run = session.run.as_ref().unwrap();
+    let run = session.course.run.as_ref().unwrap();
     let positions: Vec<_> = (0..run.world.body_count()).map(|b| run.world.positions_m(b).to_vec()).collect();
     format!("{:?} {:?} {positions:?}", run.world.time_s(), run.world.sample())
 }
@@ -259,7 +266,7 @@ fn state(session: &Session) -> String {
 fn playing_on_from_a_recorded_moment_gives_the_same_bytes() {
     // Breaks: cracks, contact within bodies and fragments all have to come back.
     let mut session = opened("brick-pile", &["time.duration=1", "recording.slow_motion=200"]);
-    session.keyframe_every = 7;
+    session.course.keyframe_every = 7;
     play(&mut session, 90);
     let throw = Throw {
         placing: Placing::From {
@@ -273,7 +280,7 @@ fn playing_on_from_a_recorded_moment_gives_the_same_bytes() {
     play(&mut session, 40);
     let end = session.snapshot();
     assert!(end.frame.status.fragments > 8, "nothing broke: {:?}", end.frame.status);
-    assert!(session.keyframes.len() > 5 && end.recording.marks().len() > 2);
+    assert!(session.course.keyframes.len() > 5 && end.recording.marks().len() > 2);
     let bytes = state(&session);
     let moments = end.recording.moments();
     assert_eq!(moments.len(), 131);
@@ -281,10 +288,13 @@ fn playing_on_from_a_recorded_moment_gives_the_same_bytes() {
     for (from, to) in [(120, 130), (88, 90), (60, 85), (3, 40)] {
         session.execute(Command::PlayOnFrom { time_s: moments[from].time_s, play: true });
         let back = session.snapshot();
-        assert_eq!((back.frame.time_s, session.edits.len()), (moments[from].time_s, moments[from].edits));
+        assert_eq!(
+            (back.frame.time_s, session.course.edits.len()),
+            (moments[from].time_s, moments[from].edits)
+        );
         assert_eq!(back.scene.unwrap().setup.changes.len(), moments[from].edits);
         assert_eq!(seen(&back.frame), seen(&moments[from].frame), "back at {from}");
-        let world = &mut session.run.as_mut().unwrap().world;
+        let world = &mut session.course.run.as_mut().unwrap().world;
         while world.time_s() < moments[to].time_s {
             world.step(moments[to].time_s).unwrap();
         }
@@ -322,7 +332,7 @@ fn a_saved_scene_throws_again_what_was_thrown_and_gives_the_same_bytes() {
     let mut again = opened(path.to_str().unwrap(), &[]);
     play(&mut again, 100);
     assert_eq!(state(&again), state(&session), "{text}");
-    assert_eq!(again.history.rows().last(), session.history.rows().last());
+    assert_eq!(again.course.history.rows().last(), session.course.history.rows().last());
 }
 
 #[test]
@@ -344,7 +354,7 @@ fn undo_brings_back_the_moment_before_the_throw() {
 
 /// Grabs a body by the element nearest to its middle, where it is now.
 fn grab(session: &mut Session, name: &str) -> (glam::DVec3, usize) {
-    let run = session.run.as_ref().unwrap();
+    let run = session.course.run.as_ref().unwrap();
     let body = run.body_names.iter().position(|known| known == name).unwrap();
     let nodes = run.world.positions_m(body);
     let element = run.world.tets(body).len() as u32 / 2;
@@ -369,15 +379,15 @@ fn saved(session: &mut Session) -> Session {
     let path = folder.path().join("mine.toml");
     std::fs::write(&path, &text).unwrap();
     let again = opened(path.to_str().unwrap(), &[]);
-    assert!(again.run.is_some(), "{:?}\n{text}", again.notice);
+    assert!(again.course.run.is_some(), "{:?}\n{text}", again.notice);
     again
 }
 
 /// Whether the saved scene goes through everything that was recorded, to the byte.
 fn assert_same_when_reloaded(session: &mut Session) {
     let mut again = saved(session);
-    let world = &mut again.run.as_mut().unwrap().world;
-    for moment in session.recording.moments() {
+    let world = &mut again.course.run.as_mut().unwrap().world;
+    for moment in session.course.recording.moments() {
         while world.time_s() < moment.time_s {
             world.step(moment.time_s).unwrap();
         }
@@ -396,7 +406,7 @@ fn a_pulled_body_follows_the_mouse_and_a_saved_scene_pulls_it_again() {
         opened("hammer-ground", &["time.duration=1", "recording.start=0", "recording.slow_motion=4"]);
     play(&mut session, 10);
     let (from_m, body) = grab(&mut session, "hammer");
-    let centre = |session: &Session| session.run.as_ref().unwrap().world.body_pose(body).1;
+    let centre = |session: &Session| session.course.run.as_ref().unwrap().world.body_pose(body).1;
     let before = centre(&session);
     for moment in 1..=12 {
         session.execute(Command::Drag(from_m + glam::DVec3::new(0.01, 0.0, 0.015) * f64::from(moment)));
@@ -420,12 +430,12 @@ fn a_pulled_body_follows_the_mouse_and_a_saved_scene_pulls_it_again() {
     play(&mut session, 5);
     assert_same_when_reloaded(&mut session);
     // Taken back, it can be made again as it was at first as well.
-    let until_s = |session: &Session| session.edits.iter().last().unwrap().pull().unwrap().until_s;
+    let until_s = |session: &Session| session.course.edits.iter().last().unwrap().pull().unwrap().until_s;
     let cut_s = until_s(&session);
     session.execute(Command::Undo);
     session.execute(Command::RedoOther);
     assert!(until_s(&session) > cut_s);
-    assert_eq!(session.edits.len(), 1);
+    assert_eq!(session.course.edits.len(), 1);
 }
 
 #[test]
@@ -437,7 +447,7 @@ fn a_pull_is_taken_back_and_done_again_as_a_whole() {
     let (from_m, _) = grab(&mut session, &name);
     // Without time it never was.
     session.execute(Command::LetGo);
-    assert!(session.snapshot().undo.is_none() && session.edits.len() == 0);
+    assert!(session.snapshot().undo.is_none() && session.course.edits.len() == 0);
     grab(&mut session, &name);
     session.execute(Command::Drag(from_m + glam::DVec3::X * 0.1));
     play(&mut session, 20);
@@ -448,7 +458,7 @@ fn a_pull_is_taken_back_and_done_again_as_a_whole() {
     assert_eq!((state(&session), session.time_s()), (before, time_s));
     assert!(session.snapshot().redo.unwrap().contains(&name));
     session.execute(Command::Redo);
-    let world = &mut session.run.as_mut().unwrap().world;
+    let world = &mut session.course.run.as_mut().unwrap().world;
     while world.time_s() < end_s {
         world.step(end_s).unwrap();
     }
@@ -580,7 +590,7 @@ fn a_reset_drops_what_was_done_or_does_it_again() {
     for _ in 0..2 {
         session.execute(Command::Reset { overrides: Vec::new(), keep: true });
         assert_eq!(session.snapshot().frame.bodies.len(), bodies, "{:?}", session.notice);
-        let world = &mut session.run.as_mut().unwrap().world;
+        let world = &mut session.course.run.as_mut().unwrap().world;
         while world.time_s() < end_s {
             world.step(end_s).unwrap();
         }

@@ -40,3 +40,19 @@ fn the_element_that_was_clicked_on_is_outlined_where_it_is_in_sight() {
     settle(&mut window);
     assert_eq!(seen(&window), 0);
 }
+
+/// "ground, element 4" told nothing.
+#[test]
+fn a_rigid_body_that_was_clicked_on_is_told_as_a_body() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    let area = window.state().viewport.unwrap();
+    let at = area.min + egui::vec2(0.5, 0.95) * area.size();
+    drag_held(&mut window, [at, at], Modifiers::NONE, 0);
+    settle(&mut window);
+    let inspection = window.state().inspection().expect("a body");
+    assert!(inspection.rigid.as_ref().is_some_and(|rigid| rigid.motion.is_none()), "{inspection:?}");
+    assert!(window.query_by_label_contains("It is rigid").is_some());
+    assert!(window.query_by_label_contains(", element").is_none());
+}

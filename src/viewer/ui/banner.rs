@@ -12,7 +12,8 @@ const CROSS_LEGEND_HEIGHT: f32 = 26.0;
 /// Shows the run's error and the latest notice, if there are any.
 pub fn show(context: &Context, app: &App, actions: &mut Vec<Action>) {
     let has_error = !app.is_gallery && app.snapshot.run_error.is_some();
-    if !has_error && app.notice().is_none() {
+    let saved = app.save.notice();
+    if !has_error && app.notice().is_none() && saved.is_none() {
         return;
     }
     let area = app.viewport.filter(|_| !app.is_gallery);
@@ -29,17 +30,21 @@ pub fn show(context: &Context, app: &App, actions: &mut Vec<Action>) {
             if let Some(error) = app.snapshot.run_error.as_ref().filter(|_| has_error) {
                 run_error(ui, error, actions);
             }
-            if let Some(notice) = app.notice() {
+            let mut close = |ui: &mut Ui, text: &str, is_passing: bool, action: Action| {
                 let is_dark = app.look.is_dark;
-                let colors = match app.is_notice_passing() {
-                    true => style::notice_colors(is_dark),
-                    false => style::warning_colors(is_dark),
-                };
-                message(ui, colors, notice, |ui| {
+                let colors =
+                    if is_passing { style::notice_colors(is_dark) } else { style::warning_colors(is_dark) };
+                message(ui, colors, text, |ui| {
                     if ui.button("Close").clicked() {
-                        actions.push(Action::DismissNotice);
+                        actions.push(action);
                     }
                 });
+            };
+            if let Some(notice) = app.notice() {
+                close(ui, notice, app.is_notice_passing(), Action::DismissNotice);
+            }
+            if let Some((text, is_failure)) = &saved {
+                close(ui, text, !is_failure, Action::DismissSaved);
             }
         });
 }

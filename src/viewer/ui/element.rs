@@ -8,8 +8,9 @@ use crate::fracture::envelope::{
     DrawnRange, distance_along_pa, mohr_envelope, principal_place, principal_point_pa,
 };
 use crate::fracture::{Criterion, CriterionError, Strength};
+use crate::render::short;
 use crate::viewer::app::App;
-use crate::viewer::inspection::Inspection;
+use crate::viewer::inspection::{Inspection, RigidBody};
 use egui::{Align2, Color32, Grid, Id, Rect, RichText, Stroke, Ui};
 use egui_plot::{AxisHints, Plot, PlotPoint, PlotUi, Points, Text};
 use glam::{DVec3, Vec3};
@@ -32,6 +33,9 @@ pub fn show(ui: &mut Ui, app: &App) {
         });
         return;
     };
+    if let Some(rigid) = &inspection.rigid {
+        return rigid_body(ui, &inspection.body, rigid);
+    }
     ui.label(format!("{}, element {}", inspection.body, inspection.element));
     Grid::new("element").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
@@ -59,9 +63,36 @@ pub fn show(ui: &mut Ui, app: &App) {
     }
 }
 
+/// Most coefficients of friction with a rigid body that are told.
+const MOST_PAIRS: usize = 8;
+
+/// A body that does not deform has no elements to speak of.
+fn rigid_body(ui: &mut Ui, name: &str, rigid: &RigidBody) {
+    ui.label(name);
+    ui.weak("It is rigid: no stress, no cracks.");
+    Grid::new("rigid").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+        let mut row = |name: &str, value: String| {
+            ui.label(RichText::new(name).small().weak());
+            ui.label(RichText::new(value).small().strong());
+            ui.end_row();
+        };
+        match rigid.motion {
+            None => row("moves", "never".to_owned()),
+            Some((velocity_m_s, spin_rad_s)) => {
+                row("moves", "as the scene prescribes".to_owned());
+                row("speed now", measured(velocity_m_s.length(), "m/s"));
+                row("spin now", measured(spin_rad_s.length(), "rad/s"));
+            }
+        }
+        for (coefficient, other) in rigid.friction.iter().take(MOST_PAIRS) {
+            row("friction", format!("{} with {other}", short(*coefficient)));
+        }
+    });
+}
+
 /// Outlines the element in the picture, where its skin is in sight.
 pub fn mark(ui: &Ui, app: &App, area: Rect) {
-    let Some(inspection) = app.inspection() else { return };
+    let Some(inspection) = app.inspection().filter(|inspection| inspection.rigid.is_none()) else { return };
     let painter = ui.painter().with_clip_rect(area);
     for corners_m in skin_in_sight(app, area, inspection) {
         let corners = corners_m.map(|corner_m| viewport::on_screen(app, area, corner_m));

@@ -1,7 +1,7 @@
 //! Signs on buttons, drawn instead of taken from a font that may lack them.
 
 use egui::{Color32, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Size of a button with a sign, points.
 const BUTTON_SIZE: egui::Vec2 = vec2(34.0, 26.0);
@@ -17,8 +17,6 @@ pub enum Icon {
     Pause,
     /// One step.
     Step,
-    /// Back to the start.
-    Reset,
     /// Light or dark.
     Contrast,
 }
@@ -55,7 +53,6 @@ fn draw(painter: &Painter, icon: Icon, at: Pos2, color: Color32) {
             triangle(painter, at - vec2(2.0, 0.0), REACH * 0.9, color);
             bar(painter, at + vec2(6.0, 0.0), color);
         }
-        Icon::Reset => reset(painter, at, color),
         Icon::Contrast => contrast(painter, at, color),
     }
 }
@@ -69,17 +66,6 @@ fn triangle(painter: &Painter, at: Pos2, reach: f32, color: Color32) {
 
 fn bar(painter: &Painter, at: Pos2, color: Color32) {
     painter.rect_filled(Rect::from_center_size(at, vec2(3.2, 2.0 * REACH)), 1.0, color);
-}
-
-/// An open circle with an arrow head, against the clock.
-fn reset(painter: &Painter, at: Pos2, color: Color32) {
-    let on_circle = |angle: f32| at + vec2(angle.cos(), angle.sin()) * REACH;
-    let start = -0.72 * PI;
-    let arc = (0..=24).map(|i| on_circle(start + 0.82 * TAU * i as f32 / 24.0)).collect();
-    painter.add(Shape::line(arc, Stroke::new(1.8, color)));
-    let tip = on_circle(start);
-    let head = vec![tip + vec2(-4.0, -2.2), tip + vec2(2.6, -3.4), tip + vec2(0.6, 3.4)];
-    painter.add(Shape::convex_polygon(head, color, Stroke::NONE));
 }
 
 /// A circle, half of it filled.

@@ -13,14 +13,14 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         widgets::section(ui, "View", |ui| view(ui, app, actions));
         widgets::section(ui, "Inside", |ui| closer::show(ui, app, actions));
         widgets::section(ui, "Take it home", |ui| save::show(ui, app, actions));
-        let history = app.snapshot.history.clone();
+        let snapshot = app.snapshot.clone();
         widgets::section(ui, "Element", |ui| {
             element::show(ui, app);
         });
         let now_s = app.shown().time_s;
         for figure in &plots::FIGURES {
             widgets::section(ui, figure.title, |ui| {
-                if let Some(time_s) = figure.show(ui, &history, now_s) {
+                if let Some(time_s) = figure.show(ui, &snapshot.history, &snapshot.recording, now_s) {
                     actions.push(Action::LookAt(time_s));
                 }
             });

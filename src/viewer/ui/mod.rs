@@ -31,7 +31,7 @@ pub use widgets::open_only;
 
 use super::app::{App, SaveKind};
 use super::closer::Closer;
-use super::thrown::Throw;
+use super::thrown::{Throw, ThrowKind};
 use crate::render::NamedView;
 use egui::containers::panel::PanelState;
 use egui::{IdSalt, Key, Panel, Popup, Ui, UiBuilder};
@@ -61,6 +61,8 @@ pub enum Action {
     SetSpeed(f64),
     /// Throw or drop a body.
     Throw(Throw),
+    /// Drop such a body from above.
+    Drop(ThrowKind),
     /// Find out what the throw under way would bring in.
     Foresee(Throw),
     /// Take out the body of this number.
@@ -131,6 +133,8 @@ pub enum Action {
     ToggleHelp,
     /// Close the message.
     DismissNotice,
+    /// Close what is said of saving.
+    DismissSaved,
 }
 
 impl Action {
@@ -146,6 +150,7 @@ impl Action {
                 | Self::Reset
                 | Self::Again
                 | Self::Throw(_)
+                | Self::Drop(_)
                 | Self::Remove(_)
                 | Self::Grab { .. }
                 | Self::Undo

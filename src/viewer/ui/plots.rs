@@ -3,8 +3,10 @@
 use super::icons;
 use super::widgets::measured;
 use crate::viewer::history::{History, Row};
+use crate::viewer::recording::Recording;
 use egui::{Color32, RichText, Ui};
 use egui_plot::{AxisHints, GridMark, HoverPosition, Line, LineStyle, Plot, PlotPoints, VLine};
+use std::cell::Cell;
 
 const HEIGHT: f32 = 150.0;
 /// Labels of times nearer than this to each other fade and go, points.
@@ -75,10 +77,12 @@ static FORCE: [Curve; 1] = single(
     Color32::from_rgb(0xd0, 0x4a, 0x4a),
     |row| row.contact_force_n,
 );
-static MOMENTUM: [Curve; 1] =
-    single("Momentum", "Length of the momentum of all bodies", Color32::from_rgb(0x3b, 0x82, 0xd6), |row| {
-        row.momentum_kg_m_s
-    });
+static MOMENTUM: [Curve; 1] = single(
+    "Magnitude",
+    "Length of the sum of the momenta of all bodies: never negative, whatever its direction",
+    Color32::from_rgb(0x3b, 0x82, 0xd6),
+    |row| row.momentum_kg_m_s,
+);
 static FRAGMENTS: [Curve; 1] =
     single("Fragments", "Connected pieces of what deforms", Color32::from_rgb(0xe0, 0x7b, 0x39), |row| {
         row.fragments
@@ -101,24 +105,46 @@ pub static FIGURES: [Figure; 5] = [
     Figure { title: "Energy", unit: "J", curves: &ENERGIES },
     Figure { title: "Contact force", unit: "N", curves: &FORCE },
     Figure { title: "Fragments", unit: "", curves: &FRAGMENTS },
-    Figure { title: "Momentum", unit: "N s", curves: &MOMENTUM },
+    Figure { title: "Momentum (magnitude)", unit: "N s", curves: &MOMENTUM },
     Figure { title: "Stable step", unit: "s", curves: &STEP },
 ];
 
 impl Figure {
-    /// Shows the plot with a line at `now_s`, and the values there; returns the time that was clicked on, s.
-    pub fn show(&self, ui: &mut Ui, history: &History, now_s: f64) -> Option<f64> {
-        let clicked_s = plot(ui, self, history.rows(), now_s);
+    /// Shows the plot with a line at `now_s`, and the values there; returns the time of the recorded moment that was clicked on, s:
+    /// the one of which values were told under the mouse.
+    pub fn show(&self, ui: &mut Ui, history: &History, recording: &Recording, now_s: f64) -> Option<f64> {
+        let clicked_s = plot(ui, self, (history, recording), now_s);
         legend(ui, self, history.row_at(now_s).copied().unwrap_or_default());
         clicked_s
     }
 }
 
-fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
+/// The recorded moment nearest to a time, s, and the balances that are known of it.
+fn moment_near(history: &History, recording: &Recording, time_s: f64) -> Option<(f64, Row)> {
+    // Both may be thinned out, each in its own way.
+    let moment = recording.nearest(history.row_at(time_s)?.time_s)?;
+    Some((moment.time_s, *history.row_at(moment.time_s)?))
+}
+
+fn plot(
+    ui: &mut Ui,
+    figure: &Figure,
+    (history, recording): (&History, &Recording),
+    now_s: f64,
+) -> Option<f64> {
     let Figure { title, unit, curves } = *figure;
-    let label = move |position: &HoverPosition<'_>| match position {
+    let rows = history.rows();
+    let told_s = Cell::new(None);
+    let label = |position: &HoverPosition<'_>| match position {
         HoverPosition::NearDataPoint { plot_name, position, .. } => {
-            Some(format!("{plot_name} {}\nat {}", value_text(position.y, unit), measured(position.x, "s")))
+            let curve = curves.iter().find(|curve| curve.name == *plot_name)?;
+            let (time_s, row) = moment_near(history, recording, position.x)?;
+            told_s.set(Some(time_s));
+            Some(format!(
+                "{plot_name} {}\nat {}",
+                value_text((curve.value)(&row), unit),
+                measured(time_s, "s")
+            ))
         }
         HoverPosition::Elsewhere { .. } => None,
     };
@@ -160,7 +186,8 @@ fn plot(ui: &mut Ui, figure: &Figure, rows: &[Row], now_s: f64) -> Option<f64> {
             }
         });
     let at = shown.response.clicked().then(|| shown.response.interact_pointer_pos()).flatten()?;
-    Some(shown.transform.value_from_position(at).x.max(0.0))
+    let under_mouse_s = shown.transform.value_from_position(at).x;
+    told_s.get().or_else(|| moment_near(history, recording, under_mouse_s).map(|(time_s, _)| time_s))
 }
 
 /// A line through points, however near they are to each other. The plotting crate would else make one place of all that
@@ -265,7 +292,7 @@ mod tests {
             let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(260.0, 300.0));
             let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
             let mut output = context.run_ui(input, |ui| {
-                FIGURES[0].show(ui, &history, 2e-5);
+                FIGURES[0].show(ui, &history, &Recording::default(), 2e-5);
             });
             covered_points2 = output
                 .shapes
@@ -290,6 +317,26 @@ mod tests {
             .map(|corners| corners.map(|corner| mesh.vertices[corner as usize]));
         let colored = corners.filter(|corners| corners.iter().all(|corner| corner.color == color));
         colored.map(|[a, b, c]| 0.5 * ((b.pos - a.pos).rot90().dot(c.pos - a.pos)).abs()).sum()
+    }
+
+    /// A click went to the moment before the mouse, and the value that was told was that of a point beside it.
+    #[test]
+    fn what_is_told_is_of_the_moment_that_a_click_goes_to() {
+        let mut history = History::default();
+        let mut recording = Recording::default();
+        for moment in 0..40 {
+            let time_s = f64::from(moment) * 0.1;
+            history.offer(Row { time_s, kinetic_j: time_s, ..Row::default() });
+            if moment % 4 == 0 {
+                let frame = crate::frame::Frame { time_s, ..Default::default() };
+                recording.push(std::sync::Arc::new(frame), 0);
+            }
+        }
+        for (at_s, moment_s) in [(0.0, 0.0), (0.29, 0.4), (0.69, 0.8), (1.14, 1.2), (99.0, 3.6)] {
+            let (time_s, row) = moment_near(&history, &recording, at_s).unwrap();
+            assert!((time_s - moment_s).abs() < 1e-9, "{at_s}: {time_s}");
+            assert_eq!((recording.at(time_s).unwrap().time_s, row.kinetic_j), (time_s, time_s));
+        }
     }
 
     #[test]

@@ -25,8 +25,10 @@ fn fields(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         Some((path, share)) => under_way(ui, path, share, actions),
         None => animation(ui, app, actions),
     }
-    if let Some(outcome) = &app.save.outcome {
-        ui.label(RichText::new(outcome).small().weak());
+    let (_, failed) = style::error_colors(ui.visuals().dark_mode);
+    for (text, is_failure) in app.save.lines() {
+        let text = RichText::new(text).small();
+        ui.label(if is_failure { text.color(failed) } else { text.weak() });
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Action;
 use super::inspector::row;
-use super::widgets::Parameter;
+use super::widgets::{Parameter, mass_text, measured};
 use crate::viewer::app::App;
 use crate::viewer::thrown::{TOOL, ThrowKind};
 use egui::{Button, ComboBox, Ui};
@@ -28,6 +28,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         choices(ui, app);
         SPEED.show(ui, &mut app.aim.speed_m_s);
         SPIN.show(ui, &mut app.aim.spin_rad_s);
+        weight(ui, app, actions);
         let hint = "Press where the body shall start, drag to what it shall hit, let go (T; Esc ends it). Off: dragging turns the camera.";
         let text = if app.aim.is_armed { "Drag in the picture to throw" } else { "Throw with the mouse" };
         let size = [ui.available_width(), 28.0];
@@ -35,10 +36,30 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         if ui.add_sized(size, aim).on_hover_text(hint).clicked() {
             actions.push(Action::ToggleAim);
         }
-        drop_buttons(ui, app, actions);
+        drop_buttons(ui, actions);
         undo(ui, app, actions);
         ui.weak("Shift and drag pulls a body.");
     });
+}
+
+/// What it weighs and how hard it hits.
+fn weight(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    actions.extend(app.aim.next_foresight(&app.snapshot).map(Action::Foresee));
+    let known = app.aim.chosen(&app.snapshot);
+    let told = known.map(|foreseen| {
+        let flight_m_s = glam::DVec3::X * app.aim.speed_m_s;
+        let spin = if app.aim.spin_rad_s == 0.0 { "" } else { " + spin" };
+        let energy_j = foreseen.kinetic_j(flight_m_s, glam::DVec3::ZERO);
+        (mass_text(foreseen.mass_kg()), format!("{}{spin}", measured(energy_j, "J")))
+    });
+    let (mass, energy) = told.unwrap_or_else(|| ("…".to_owned(), "…".to_owned()));
+    let hint =
+        "Kinetic energy of its flight when it leaves the hand; what the spin adds is told while aiming";
+    for (label, value, hint) in [("Mass", mass, "What the chosen body weighs"), ("Energy", energy, hint)] {
+        row(ui, label, |ui| {
+            ui.strong(value).on_hover_text(hint);
+        });
+    }
 }
 
 fn choices(ui: &mut Ui, app: &mut App) {
@@ -89,14 +110,14 @@ fn material_words(name: &str) -> &str {
     if name == TOOL { "tool, never breaks" } else { name }
 }
 
-fn drop_buttons(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+fn drop_buttons(ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.label("Or drop one from above");
     ui.columns_const(|columns: &mut [Ui; 3]| {
         for (ui, kind) in columns.iter_mut().zip(ThrowKind::SHAPES) {
             let size = [ui.available_width(), 28.0];
             let hint = format!("Drop a {} from above the middle", kind.label().to_lowercase());
             if ui.add_sized(size, Button::new(kind.label())).on_hover_text(hint).clicked() {
-                actions.push(Action::Throw(app.aim.drop(kind)));
+                actions.push(Action::Drop(kind));
             }
         }
     });
@@ -109,10 +130,14 @@ fn undo(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let hint = "Does again, at its own time, what had been done here before that (Ctrl Shift Y)";
     let other = (&app.snapshot.redo_other, "Or redo", hint, Action::RedoOther);
     for (what, word, hint, action) in [undo, redo, other] {
-        let Some(what) = what else { continue };
-        let button = Button::new(format!("{word}: {what}")).truncate();
-        if ui.add_sized([ui.available_width(), 26.0], button).on_hover_text(hint).clicked() {
-            actions.push(action);
-        }
+        // Always there: what is below keeps its place under the mouse.
+        let text = what.as_ref().map_or_else(|| word.to_owned(), |what| format!("{word}: {what}"));
+        ui.add_enabled_ui(what.is_some(), |ui| {
+            let button = ui.add_sized([ui.available_width(), 26.0], Button::new(&text).truncate());
+            let nothing = "Nothing to do so with now";
+            if button.on_hover_text(format!("{text}\n{hint}")).on_disabled_hover_text(nothing).clicked() {
+                actions.push(action);
+            }
+        });
     }
 }

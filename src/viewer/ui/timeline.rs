@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
             memory(ui, app, is_narrow, actions);
             ui.add_enabled_ui(app.player.is_back(), |ui| {
                 let hint =
-                    "Simulates on from here, with the values of then. What came after this moment is dropped; what was done in it can be done again (Ctrl Y)";
+                    "Simulates on from here, with the values of then. What came after this moment is left; Ctrl Z brings it back";
                 if super::widgets::primary_button(ui, "Play on from here").on_hover_text(hint).clicked() {
                     actions.push(Action::PlayOnFromHere);
                 }

@@ -47,12 +47,15 @@ fn scene_side(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
                 actions.push(Action::Step);
             }
         });
-        if icons::button(ui, Icon::Reset, "Back to the start, with the values on the sliders and without what was thrown (R)").clicked() {
+        let hint = "Back to the start with the values on the sliders; what was thrown, taken out and pulled is left out (R)";
+        if ui.button("Reset").on_hover_text(hint).clicked() {
             actions.push(Action::Reset);
         }
         ui.add_enabled_ui(snapshot.can_repeat, |ui| {
-            let hint = "Back to the start; what was thrown, taken out, pulled and changed comes again at its time (Shift R)";
-            if ui.button("Again").on_hover_text(hint).clicked() {
+            let hint = "Back to the start with the values on the sliders; what was thrown, taken out, pulled and changed comes again, each at its time (Shift R)";
+            let nothing = "As Reset, but what was thrown, taken out, pulled and changed comes again: nothing of it has been yet";
+            let rerun = ui.button("Rerun").on_hover_text(hint).on_disabled_hover_text(nothing);
+            if rerun.clicked() {
                 actions.push(Action::Again);
             }
         });

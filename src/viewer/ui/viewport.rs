@@ -1,7 +1,8 @@
 //! The scene itself, and the mouse over it.
 
-use super::widgets::measured;
+use super::widgets::{mass_text, measured};
 use super::{Action, banner, element, ghost, grab, style};
+use crate::viewer::aim::Path;
 use crate::viewer::app::App;
 use crate::viewer::orbit::MouseInput;
 use crate::viewer::pick::{Hit, pick};
@@ -77,33 +78,43 @@ pub(super) fn on_screen(app: &App, area: Rect, point_m: Vec3) -> Option<Pos2> {
 
 /// Dragging draws a line; letting go throws along it.
 fn take_aim(app: &mut App, area: Rect, response: &Response, actions: &mut Vec<Action>) {
-    if response.drag_started_by(PointerButton::Primary) {
+    let is_begun = response.drag_started_by(PointerButton::Primary);
+    if is_begun {
         let at = response.interact_pointer_pos().map(|at| share(area, at - response.drag_delta()));
         app.aim.drag = at.map(|at| [at, at]);
-        app.aim.drags += 1;
-        actions.extend(app.aim.foresight(&app.look.camera, aspect(area)).map(Action::Foresee));
+        app.aim.is_let_go = false;
+        actions.push(Action::Foresee(app.aim.foresight()));
     }
-    let at = response.interact_pointer_pos();
-    if let (Some(drag), Some(at)) = (&mut app.aim.drag, at) {
+    if app.aim.is_let_go {
+        // The body that was let go has not come back from the simulation yet: nobody knows how much room it needs.
+    } else if let (Some(drag), Some(at)) = (&mut app.aim.drag, response.interact_pointer_pos()) {
         drag[1] = share(area, at);
-    }
-    if response.drag_stopped_by(PointerButton::Primary) {
-        let lift_m = app.ghost().map_or(0.0, |ghost| ghost.lift_m);
-        let path = app.aim.path(app.shown(), &app.look.camera, aspect(area), lift_m);
-        if let Some(path) = path.filter(|_| app.snapshot.run_error.is_none()) {
-            actions.push(Action::Throw(app.aim.throw(&path)));
-        }
-        app.aim.drag = None;
+        app.aim.is_let_go = response.drag_stopped_by(PointerButton::Primary);
     } else if !response.dragged() {
         app.aim.drag = None;
     }
+    app.place_ghost();
+    let is_known = app.ghost().is_some() || !(is_begun || app.is_waiting());
+    if app.aim.is_let_go && is_known {
+        let path = aimed(app, area);
+        if let Some(path) = path.filter(|_| app.snapshot.run_error.is_none()) {
+            actions.push(Action::Throw(app.aim.throw(&path)));
+        }
+        (app.aim.drag, app.aim.is_let_go) = (None, false);
+        app.place_ghost();
+    }
+}
+
+/// The path of the throw under way.
+fn aimed(app: &App, area: Rect) -> Option<Path> {
+    let (camera, aspect) = (&app.look.camera, aspect(area));
+    let start_m = app.ghost().map_or_else(|| app.aim.start_m(camera, aspect), |ghost| Some(ghost.start_m))?;
+    app.aim.path(app.shown(), camera, aspect, start_m)
 }
 
 fn draw_aim(ui: &Ui, app: &App, area: Rect) {
-    let ghost = app.ghost();
-    let lift_m = ghost.as_ref().map_or(0.0, |ghost| ghost.lift_m);
-    ghost.iter().for_each(|ghost| ghost::draw(ui, app, area, ghost));
-    let Some(path) = app.aim.path(app.shown(), &app.look.camera, aspect(area), lift_m) else {
+    app.ghost().into_iter().for_each(|ghost| ghost::draw(ui, app, area, ghost));
+    let Some(path) = aimed(app, area) else {
         if app.aim.is_armed && app.aim.drag.is_none() {
             let text = "Press where the body shall start, drag to its target, let go to throw. Esc: no more throwing";
             // In more lines where the view is narrow.
@@ -125,19 +136,34 @@ fn draw_aim(ui: &Ui, app: &App, area: Rect) {
     painter.extend(Shape::dashed_line(&points, stroke, 9.0, 5.0));
     painter.arrow(last, (last - before).normalized() * 0.1, stroke);
     painter.circle_stroke(last, 9.0, stroke);
-    let speed = measured(app.aim.speed_m_s, "m/s");
-    let label = match lift_m > 0.0 {
-        true => {
-            format!("{speed}, starts {} higher: something is in the way", measured(f64::from(lift_m), "m"))
-        }
-        false => speed,
-    };
+    let label = aim_label(app, &path);
     let galley = painter.layout_no_wrap(label, FontId::proportional(13.0), style::accent());
     let place = Align2::LEFT_BOTTOM.anchor_size(first + egui::vec2(10.0, -10.0), galley.size());
     // Whole, wherever the body starts.
     let inside = area.shrink(6.0);
     let most = (inside.max - place.size()).max(inside.min);
-    painter.galley(place.min.clamp(inside.min, most), galley, style::accent());
+    let at = place.min.clamp(inside.min, most);
+    // It can be read over whatever is behind it, the body itself for one.
+    let back = Rect::from_min_size(at, galley.size()).expand2(egui::vec2(6.0, 3.0));
+    painter.rect_filled(back, 5.0, ui.visuals().window_fill.gamma_multiply(0.85));
+    painter.galley(at, galley, style::accent());
+}
+
+/// How fast, how heavy, with how much energy; and where it cannot start in sight.
+fn aim_label(app: &App, path: &Path) -> String {
+    let mut label = measured(app.aim.speed_m_s, "m/s");
+    let Some(ghost) = app.ghost() else { return label };
+    let energy_j = ghost.foreseen.kinetic_j(path.velocity_m_s(), app.aim.spin_rad_s(path));
+    label += &format!(", {}, {}", mass_text(ghost.foreseen.mass_kg()), measured(energy_j, "J"));
+    let lift = measured(f64::from(ghost.lift_m), "m");
+    if !ghost.is_in_sight() {
+        label += &format!(
+            "\nThere is no free place in sight: it starts {lift} higher, out of sight.\nPress elsewhere, or move the camera back."
+        );
+    } else if ghost.lift_m > 0.0 {
+        label += &format!("\nIt starts {lift} higher: there is no room under the mouse.");
+    }
+    label
 }
 
 /// What can be done with the body under the mouse, on a click with the right button.

@@ -1,6 +1,7 @@
 //! Small pieces that several panels share.
 
 use super::style;
+use crate::math::to_digits;
 use crate::render::{parse_with_unit, short, with_unit};
 use egui::style::ScrollAnimation;
 use egui::{
@@ -40,9 +41,9 @@ impl Parameter {
             let smallest = (self.range.end() * 1e-6).max(*self.range.start());
             ui.add(slider.smallest_positive(smallest).show_value(false)).on_hover_text(self.hint);
         });
-        // Three digits are all that a slider can tell apart.
+        // A few digits are all that a slider can tell apart.
         if *value != before {
-            *value = rounded(*value);
+            *value = to_digits(*value, 4);
         }
         *value != before
     }
@@ -67,6 +68,12 @@ pub fn measured(value: f64, unit: &str) -> String {
     if is_usual { with_unit(value, unit) } else { format!("{value:.1e} {unit}") }
 }
 
+/// A mass as people say it.
+#[must_use]
+pub fn mass_text(mass_kg: f64) -> String {
+    if mass_kg < 1.0 { measured(1e3 * mass_kg, "g") } else { with_its_unit(mass_kg, "kg") }
+}
+
 /// A value as people write it: kilograms and rates take no further prefix.
 fn with_its_unit(value: f64, unit: &str) -> String {
     match unit {
@@ -76,16 +83,6 @@ fn with_its_unit(value: f64, unit: &str) -> String {
         _ if unit.starts_with("kg") || unit.starts_with("1/") => format!("{} {unit}", short(value)),
         _ => with_unit(value, unit),
     }
-}
-
-/// Rounds to four digits.
-fn rounded(value: f64) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return value;
-    }
-    let scale = 10f64.powf(3.0 - value.abs().log10().floor());
-    let result = (value * scale).round() / scale;
-    if result.is_finite() { result } else { value }
 }
 
 /// The scrolled inside of a panel at the side, or of the gallery; its bar has a margin of its own.
@@ -171,6 +168,11 @@ mod tests {
     }
 
     #[test]
+    fn masses_are_told_as_people_do() {
+        assert_eq!([0.0125, 0.9, 1.25, 5400.0].map(mass_text), ["12.5 g", "900 g", "1.25 kg", "5400 kg"]);
+    }
+
+    #[test]
     fn measured_values_stay_short() {
         for value in [0.0, -1.2345e-5, 9.99e14, 2.3e180, -f64::MAX, 1e-300, f64::INFINITY, f64::NAN] {
             let text = measured(value, "J");
@@ -199,12 +201,5 @@ mod tests {
             window.key_press(egui::Key::Escape);
             (0..4).for_each(|_| window.step());
         }
-    }
-
-    #[test]
-    fn sliders_leave_four_digits() {
-        assert_eq!(rounded(123_456.789), 123_500.0);
-        assert_eq!(rounded(-0.001_234_56), -0.001_235);
-        assert_eq!(rounded(0.0), 0.0);
     }
 }

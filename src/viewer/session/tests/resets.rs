@@ -27,7 +27,7 @@ fn dropped_and_taken_back() -> Session {
 fn starting_again_is_taken_back_with_all_that_was_before_and_done_again() {
     let mut session = dropped_and_taken_back();
     let before = standing(&mut session);
-    let thrown_s = session.edits.iter().next().unwrap().time_s;
+    let thrown_s = session.course.edits.iter().next().unwrap().time_s;
     reset(&mut session, true);
     let told = session.snapshot().notice.unwrap();
     assert!(
@@ -35,7 +35,7 @@ fn starting_again_is_taken_back_with_all_that_was_before_and_done_again() {
         "{told:?}"
     );
     let seen = session.snapshot();
-    assert_eq!((session.time_s(), seen.undo.as_deref()), (0.0, Some("starting again")));
+    assert_eq!((session.time_s(), seen.undo.as_deref()), (0.0, Some(RERUN)));
     // What will come is marked before it comes, and once.
     let planned: Vec<(f64, &str)> =
         seen.planned.iter().map(|mark| (mark.time_s, mark.text.as_str())).collect();
@@ -46,7 +46,7 @@ fn starting_again_is_taken_back_with_all_that_was_before_and_done_again() {
     play(&mut session, 2);
     let again = standing(&mut session);
     session.execute(Command::Undo);
-    assert_eq!(session.snapshot().undo.as_deref(), Some("starting again"));
+    assert_eq!(session.snapshot().undo.as_deref(), Some(RERUN));
     let built = session.snapshot().built;
     session.execute(Command::Undo);
     let seen = session.snapshot();
@@ -55,13 +55,13 @@ fn starting_again_is_taken_back_with_all_that_was_before_and_done_again() {
     assert_eq!(seen.redo_other.as_deref(), Some("Cube thrown in"));
     let (now, time_s, moments, undo, _) = standing(&mut session);
     assert_eq!((now, time_s, moments, undo), (before.0, before.1, before.2, before.3));
-    assert_eq!(seen.redo.as_deref(), Some("starting again"));
+    assert_eq!(seen.redo.as_deref(), Some(RERUN));
     // Edits before it are taken back and done again as ever.
     session.execute(Command::Undo);
     assert_eq!(session.snapshot().redo.as_deref(), Some("Ball thrown in"));
     session.execute(Command::Redo);
     assert_eq!(session.time_s(), thrown_s);
-    assert_eq!(session.snapshot().redo.as_deref(), Some("starting again"));
+    assert_eq!(session.snapshot().redo.as_deref(), Some(RERUN));
     session.execute(Command::Redo);
     assert_eq!(session.snapshot().redo.as_deref(), Some("Hammer thrown in"));
     session.execute(Command::Redo);
@@ -146,7 +146,7 @@ fn runs_before_resets_share_the_memory_of_the_recording() {
         reset(&mut session, true);
     }
     let bytes = session.snapshot().recording.bytes();
-    assert!(bytes > session.recording.own_bytes(), "they are counted");
+    assert!(bytes > session.course.recording.own_bytes(), "they are counted");
     assert!(bytes < 2 * limit, "{bytes}");
     // However little there is, the last one can be gone back to.
     session.execute(Command::Undo);

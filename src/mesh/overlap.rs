@@ -1,12 +1,11 @@
-//! Whether bodies occupy the same space at the start.
+//! Whether two meshes occupy the same space.
 //!
 //! Exact for tetrahedral meshes: two bodies overlap when a tetrahedron of one and a tetrahedron of the
 //! other do, and two tetrahedra are apart when one of the 8 face normals or 36 products of edges
 //! separates them (separating axis theorem). Bounding boxes in a hierarchy choose which pairs are
 //! looked at.
 
-use super::boxes;
-use crate::mesh::TetMesh;
+use super::{TetMesh, boxes};
 use glam::DVec3;
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 
