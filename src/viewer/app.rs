@@ -178,6 +178,12 @@ impl App {
         self.simulation.is_behind(&self.snapshot)
     }
 
+    /// What the simulation was asked for lately, for a test that finds out that there is no end to it.
+    #[cfg(test)]
+    pub fn asked_lately(&self) -> (u64, Vec<&str>) {
+        self.simulation.lately()
+    }
+
     /// The text of the notice that is shown, if any.
     #[must_use]
     pub fn notice(&self) -> Option<&str> {

@@ -26,6 +26,9 @@ pub type Waker = Box<dyn Fn() + Send>;
 pub struct Simulation {
     commands: Sender<Command>,
     sent: u64,
+    /// What was sent lately, for a test that finds out that there is no end to it.
+    #[cfg(test)]
+    lately: std::collections::VecDeque<String>,
     slot: Arc<LatestSlot<Snapshot>>,
     wants_end: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
@@ -52,15 +55,30 @@ impl Simulation {
         let workers = background::workers("simulation")?;
         let work = move || workers.install(|| worker.run());
         let thread = std::thread::Builder::new().name("simulation".to_owned()).spawn(work)?;
-        Ok(Self { commands, sent: 0, slot, wants_end, thread: Some(thread) })
+        Ok(Self {
+            commands,
+            sent: 0,
+            #[cfg(test)]
+            lately: std::collections::VecDeque::default(),
+            slot,
+            wants_end,
+            thread: Some(thread),
+        })
     }
 
     /// One that stands still and shows a snapshot for ever, without a thread.
     #[must_use]
     pub fn still(snapshot: Snapshot) -> Self {
         let slot = Arc::default();
-        let simulation =
-            Self { commands: channel().0, sent: 0, slot, wants_end: Arc::default(), thread: None };
+        let simulation = Self {
+            commands: channel().0,
+            sent: 0,
+            #[cfg(test)]
+            lately: std::collections::VecDeque::default(),
+            slot,
+            wants_end: Arc::default(),
+            thread: None,
+        };
         simulation.show(snapshot);
         simulation
     }
@@ -73,10 +91,21 @@ impl Simulation {
 
     /// Sends a command. It never waits.
     pub fn send(&mut self, command: Command) {
+        #[cfg(test)]
+        {
+            self.lately.truncate(9);
+            self.lately.push_front(format!("{command:?}"));
+        }
         // The thread only ends after this end is gone.
         if self.commands.send(command).is_ok() {
             self.sent += 1;
         }
+    }
+
+    /// The last commands, the latest first, and how many there were.
+    #[cfg(test)]
+    pub fn lately(&self) -> (u64, Vec<&str>) {
+        (self.sent, self.lately.iter().map(String::as_str).collect())
     }
 
     /// The latest state, if there is one yet.

@@ -284,7 +284,12 @@ fn wait_for_the_simulation(window: &mut OffScreenWindow, seed: u64, frame: u32) 
         let input = window.input(FRAME_S, Vec::new());
         window.frame(input).unwrap();
         std::thread::sleep(Duration::from_millis(5));
-        assert!(asked.elapsed() < STUCK, "the simulation does not answer: seed {seed}, frame {frame}");
+        assert!(
+            asked.elapsed() < STUCK,
+            "the simulation does not answer, or is asked without end: seed {seed}, frame {frame}, {} done, sent {:?}",
+            window.app.snapshot.commands_done,
+            window.app.asked_lately(),
+        );
     }
     let notes = [window.app.snapshot.run_error.as_deref(), window.app.notice()];
     for note in notes.into_iter().flatten() {
