@@ -141,6 +141,39 @@ fn plots_tell_the_values_of_the_moment_looked_at() {
     assert_ne!(told(&window), now_j);
 }
 
+/// The first letter makes the button for resets appear: it took the field away from under the typing once, and what followed
+/// were keys of the window.
+#[test]
+fn a_value_is_typed_to_its_end_and_a_slider_dragged_to_its_end() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    let row = window.get_by_label("Young's modulus").rect();
+    let fields = window.get_all_by_role(egui::Role::SpinButton);
+    let beside = |rect: egui::Rect| (rect.center().y - row.center().y).abs() < 8.0;
+    fields.into_iter().find(|field| beside(field.rect())).unwrap().click();
+    settle(&mut window);
+    for letter in "2.5 GPa".chars() {
+        window.event(egui::Event::Text(letter.to_string()));
+        window.step();
+    }
+    window.key_press(Key::Enter);
+    settle(&mut window);
+    let stiffness = |window: &super::Window| {
+        let app = window.state();
+        let materials = app.edits.materials.iter().map(|material| material.youngs_modulus_pa);
+        materials.fold(0.0, f64::max)
+    };
+    assert_eq!(stiffness(&window), 2.5e9);
+    assert!(!window.state().is_gallery && !window.state().snapshot.is_playing);
+    press(&mut window, "Reset to apply the changes  (R)");
+    let sliders = window.get_all_by_role(egui::Role::Slider);
+    let below = |rect: egui::Rect| (5.0..40.0).contains(&(rect.center().y - row.center().y));
+    let slider = sliders.into_iter().map(|slider| slider.rect()).find(|rect| below(*rect)).unwrap();
+    drag(&mut window, slider.lerp_inside(egui::vec2(0.6, 0.5)), slider.right_center());
+    assert!(stiffness(&window) > 5e11, "{}", stiffness(&window));
+}
+
 /// A wrong formula is left out of a reset, which the button says; the material breaks as it did before.
 #[test]
 fn a_wrong_formula_is_left_out_of_a_reset() {

@@ -6,7 +6,7 @@ use crate::render::{parse_with_unit, short, with_unit};
 use egui::style::ScrollAnimation;
 use egui::{
     Align, CollapsingHeader, Color32, Context, DragValue, Id, Response, RichText, ScrollArea, Slider,
-    SliderClamping, Ui,
+    SliderClamping, Ui, UiBuilder,
 };
 use std::ops::RangeInclusive;
 
@@ -106,9 +106,15 @@ pub fn section(ui: &mut Ui, title: &str, body: impl FnOnce(&mut Ui)) {
     let is_open = open.is_none_or(|open| open.contains(&title));
     CollapsingHeader::new(RichText::new(title).strong()).default_open(is_open).show_unindented(ui, |ui| {
         ui.add_space(2.0);
-        body(ui);
+        steady(ui, title, body);
         ui.add_space(8.0);
     });
+}
+
+/// What keeps the keyboard and the mouse whatever comes and goes before it: egui numbers widgets through, and one that is
+/// numbered anew loses what is being typed, or the drag of its slider.
+pub fn steady(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui)) {
+    ui.scope_builder(UiBuilder::new().scope_id(Id::unique(("steady", name))), body);
 }
 
 /// When changes act.
