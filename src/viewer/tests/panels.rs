@@ -174,6 +174,23 @@ fn a_value_is_typed_to_its_end_and_a_slider_dragged_to_its_end() {
     assert!(stiffness(&window) > 5e11, "{}", stiffness(&window));
 }
 
+/// What is no number differs from itself: a field in which it stood asked for its change in every frame.
+#[test]
+fn what_is_no_number_is_not_asked_for() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    let fields = window.get_all_by_role(egui::Role::SpinButton);
+    let lowest = fields.into_iter().max_by(|a, b| a.rect().bottom().total_cmp(&b.rect().bottom()));
+    lowest.expect("the memory limit is a field").click();
+    settle(&mut window);
+    window.event(egui::Event::Text("nan".to_owned()));
+    settle(&mut window);
+    let asked = window.state().asked_lately().0;
+    (0..20).for_each(|_| window.step());
+    assert_eq!(window.state().asked_lately().0, asked, "{:?}", window.state().asked_lately());
+}
+
 /// A wrong formula is left out of a reset, which the button says; the material breaks as it did before.
 #[test]
 fn a_wrong_formula_is_left_out_of_a_reset() {

@@ -84,7 +84,8 @@ fn angle(ui: &mut Ui, label: &str, value_deg: &mut f32, most_deg: f32) {
     row(ui, label, |ui| {
         ui.spacing_mut().slider_width = (ui.available_width() - 58.0).max(40.0);
         ui.add(Slider::new(value_deg, -most_deg..=most_deg).show_value(false));
-        ui.add(DragValue::new(value_deg).range(-most_deg..=most_deg).suffix("°").max_decimals(1));
+        let value = DragValue::new(value_deg).range(-most_deg..=most_deg).suffix("°").max_decimals(1);
+        ui.add(value.custom_parser(|text| parse_with_unit(text, "°")));
     });
 }
 

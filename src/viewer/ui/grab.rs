@@ -28,7 +28,8 @@ pub fn drag(ui: &Ui, app: &mut App, area: Rect, response: &Response, actions: &m
         let camera = &app.look.camera;
         let ray = camera.ray_in_world(viewport::share(area, at), viewport::aspect(area));
         let to_m = at_depth(camera, &ray, hold.depth_m);
-        if to_m != hold.to_m {
+        // In a window without a size nothing is anywhere.
+        if to_m.is_finite() && to_m != hold.to_m {
             hold.to_m = to_m;
             actions.push(Action::Drag(to_m.as_dvec3()));
         }

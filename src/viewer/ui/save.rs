@@ -2,6 +2,7 @@
 
 use super::widgets::measured;
 use super::{Action, style};
+use crate::render::parse_with_unit;
 use crate::viewer::app::{App, SaveKind, in_a_sentence};
 use egui::{Align, Button, DragValue, Layout, ProgressBar, RichText, TextEdit, Ui};
 use std::path::Path;
@@ -80,6 +81,7 @@ fn animation(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         let mut is_changed = false;
         for (share, prefix) in shares.iter_mut().zip(["from ", "to "]) {
             let value = DragValue::new(share).range(0.0..=100.0).speed(0.5).prefix(prefix).suffix(" %");
+            let value = value.custom_parser(|text| parse_with_unit(text, "%"));
             is_changed |= ui.add(value.max_decimals(1)).on_hover_text(hint).changed();
         }
         if is_changed {

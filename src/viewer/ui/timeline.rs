@@ -2,6 +2,7 @@
 
 use super::widgets::measured;
 use super::{Action, style};
+use crate::render::parse_with_unit;
 use crate::viewer::app::App;
 use crate::viewer::recording::{LEAST_LIMIT_BYTES, Mark, MarkKind};
 use egui::{
@@ -60,6 +61,7 @@ fn memory(ui: &mut Ui, app: &App, is_narrow: bool, actions: &mut Vec<Action>) {
     );
     let least = LEAST_LIMIT_BYTES as f64 / MEBIBYTE;
     let value = DragValue::new(&mut limit).range(least..=65536.0).speed(4.0).max_decimals(0).suffix(" MiB");
+    let value = value.custom_parser(|text| parse_with_unit(text, "MiB"));
     if ui.add(value).on_hover_text(&hint).changed() {
         actions.push(Action::SetMemoryLimit((limit * MEBIBYTE) as usize));
     }
