@@ -288,6 +288,9 @@ impl Session {
         self.course.thrown = 0;
         self.course.kept_text.clear();
         self.left = LeftRuns::default();
+        // What the scene's pictures need is recorded from the first moment on.
+        let recording = &scene.description.recording;
+        self.set_interior(recording.cut.is_some() || recording.crosses);
         self.start(scene.clone(), scene.clone(), world, None);
         self.set_playing(play);
         if !scene.warnings.is_empty() {

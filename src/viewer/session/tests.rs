@@ -1,5 +1,6 @@
 //! What commands do, without the thread.
 
+use super::super::closer::has_interior;
 use super::super::thrown::{Placing, TOOL, Throw, ThrowKind};
 use super::*;
 use crate::export::csv::HistoryWriter;
@@ -43,6 +44,16 @@ fn a_scene_plays_at_its_own_slow_motion() {
 }
 
 /// Nothing happens yet, and rounding is no energy.
+/// A saved scene with stress crosses lacked them in its first moments.
+#[test]
+fn what_a_scene_shows_inside_is_recorded_from_the_start() {
+    for (overrides, is_inside) in [(&[][..], false), (&["recording.crosses=true"][..], true)] {
+        let session = opened("bounce", overrides);
+        let first = session.course.recording.moments().first().unwrap();
+        assert_eq!(has_interior(&first.frame), is_inside);
+    }
+}
+
 #[test]
 fn a_scene_at_rest_has_no_balances_made_of_round_off() {
     let mut session = opened("pile-split", &[]);

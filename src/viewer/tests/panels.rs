@@ -1,6 +1,6 @@
 //! The panels: what they tell, and how their lists and edges answer.
 
-use super::{drag, open, press, settle, wait, window, with_a_formula};
+use super::{drag, hold, open, press, release, settle, wait, window, with_a_formula};
 use crate::viewer::criterion_edit::Failing;
 use egui::{Key, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -172,6 +172,25 @@ fn a_value_is_typed_to_its_end_and_a_slider_dragged_to_its_end() {
     let slider = sliders.into_iter().map(|slider| slider.rect()).find(|rect| below(*rect)).unwrap();
     drag(&mut window, slider.lerp_inside(egui::vec2(0.6, 0.5)), slider.right_center());
     assert!(stiffness(&window) > 5e11, "{}", stiffness(&window));
+}
+
+/// The slider's place and the rounded speed differ: as long as it was held, every frame asked for the speed anew.
+#[test]
+fn a_slider_that_is_held_still_asks_once() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    let sliders = window.get_all_by_role(egui::Role::Slider).map(|slider| slider.rect());
+    let speed = sliders.min_by(|a, b| a.top().total_cmp(&b.top())).expect("the speed is on a slider");
+    let before = window.state().snapshot.speed;
+    let path = [speed.center(), speed.lerp_inside(egui::vec2(0.314, 0.5))];
+    hold(&mut window, path, egui::Modifiers::NONE, 3);
+    settle(&mut window);
+    assert_ne!(window.state().snapshot.speed, before);
+    let asked = window.state().asked_lately().0;
+    (0..20).for_each(|_| window.step());
+    assert_eq!(window.state().asked_lately().0, asked, "{:?}", window.state().asked_lately());
+    release(&mut window, path[1], egui::Modifiers::NONE);
 }
 
 /// What is no number differs from itself: a field in which it stood asked for its change in every frame.

@@ -72,7 +72,8 @@ fn speed(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let slowest = SLOWEST.min(speed);
     let slider = Slider::new(&mut speed, slowest..=1.0).logarithmic(true).show_value(false);
     let hint = "Simulated time over time on the wall";
-    if ui.add(slider).on_hover_text(hint).changed() {
+    // A slider that is held still gives its own unrounded value again and again.
+    if ui.add(slider).on_hover_text(hint).changed() && rounded_speed(speed) != asked {
         actions.push(Action::SetSpeed(rounded_speed(speed)));
     }
     ui.label(speed_text(speed)).on_hover_text(hint);
