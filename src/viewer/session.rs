@@ -95,6 +95,9 @@ impl Default for Session {
     }
 }
 
+/// Time that playing goes on for after something was done, over the scene's duration.
+const AFTERMATH: f64 = 0.5;
+
 impl Session {
     /// Carries out a command.
     pub fn execute(&mut self, command: Command) {
@@ -188,10 +191,13 @@ impl Session {
         true
     }
 
-    /// The end of the scene, where playing pauses; infinite once it is reached, and while a body is held: then playing goes
-    /// on beyond.
+    /// The end of the scene, where playing pauses, or later by what was done last on the way: it is to be seen what comes of it.
+    /// Infinite once it is reached, and while a body is held: then playing goes on beyond.
     fn end_ahead_s(&self) -> f64 {
-        let end_s = self.course.run.as_ref().map_or(f64::INFINITY, |run| run.scene.description.duration_s);
+        let duration_s =
+            self.course.run.as_ref().map_or(f64::INFINITY, |run| run.scene.description.duration_s);
+        let last_s = self.course.edits.last_step().map_or(0.0, |(_, edit)| edit.time_s);
+        let end_s = duration_s.max(last_s + AFTERMATH * duration_s);
         if self.hand.is_some() || is_reached(self.time_s(), end_s) { f64::INFINITY } else { end_s }
     }
 

@@ -127,6 +127,20 @@ fn playing_pauses_at_the_end_and_goes_on_beyond_when_asked_again() {
     assert_eq!(session.snapshot().over_after_s(), None);
 }
 
+/// Two hammers stood still in the air at the end of the scene.
+#[test]
+fn what_is_thrown_late_flies_on_beyond_the_end() {
+    let mut session = opened("bounce", &["time.duration=0.04"]);
+    session.execute(Command::SetSpeed(0.1));
+    play(&mut session, 22);
+    let thrown_s = session.time_s();
+    assert!(session.is_playing() && (0.03..0.04).contains(&thrown_s), "{thrown_s}");
+    session.execute(Command::Throw(dropped(ThrowKind::Ball)));
+    play(&mut session, 600);
+    assert!(!session.is_playing() && is_reached(session.time_s(), thrown_s + 0.02), "{}", session.time_s());
+    assert!(session.time_s() < thrown_s + 0.021, "{}", session.time_s());
+}
+
 #[test]
 fn pause_step_and_reset_do_what_they_say() {
     let mut session = opened("bounce", &[]);
