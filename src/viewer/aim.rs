@@ -34,6 +34,8 @@ pub struct Aim {
     pub drag: Option<[Vec2; 2]>,
     /// Whether the drag has ended, and only the place of its start is still to be found.
     pub is_let_go: bool,
+    /// Whether the mouse was pressed last without a way to throw along.
+    pub was_too_short: bool,
     /// Counts the questions for what would be thrown.
     pub asks: u64,
     /// What was asked for last, and in which scene.
@@ -52,6 +54,7 @@ impl Default for Aim {
             spin_rad_s: 0.0,
             drag: None,
             is_let_go: false,
+            was_too_short: false,
             asks: 0,
             asked_for: None,
             is_spent: false,
@@ -81,7 +84,7 @@ impl Aim {
     pub fn arm(&mut self, is_armed: bool) {
         self.is_armed = is_armed;
         self.is_spent |= self.drag.take().is_some();
-        self.is_let_go = false;
+        (self.is_let_go, self.was_too_short) = (false, false);
     }
 
     /// A speed that suits the size of a scene: that of a fall over some lengths of its bodies.
