@@ -39,16 +39,8 @@ pub fn short(value: f64) -> String {
 /// Longest text that is read as a value.
 const LONGEST_TEXT: usize = 64;
 /// Prefixes that may stand alone, and before a unit.
-const PREFIXES: [(&str, f64); 8] = [
-    ("T", 1e12),
-    ("G", 1e9),
-    ("M", 1e6),
-    ("k", 1e3),
-    ("m", 1e-3),
-    ("µ", 1e-6),
-    ("u", 1e-6),
-    ("n", 1e-9),
-];
+const PREFIXES: [(&str, f64); 8] =
+    [("T", 1e12), ("G", 1e9), ("M", 1e6), ("k", 1e3), ("m", 1e-3), ("µ", 1e-6), ("u", 1e-6), ("n", 1e-9)];
 
 /// What else people write, by the unit that it is turned into.
 const CONVERSIONS: [(&str, &[(&str, f64)]); 9] = [

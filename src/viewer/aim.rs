@@ -169,18 +169,21 @@ impl Aim {
     /// The same body, dropped from above what a frame shows, in the picture if there is room.
     #[must_use]
     pub fn drop(&self, kind: ThrowKind, frame: &Frame, camera: &Camera, aspect: f32) -> Throw {
-        let placing = Placing::Above { top_m: top_m(frame, camera, aspect) };
+        let placing = Placing::Above { top_m: top_m(frame, camera, aspect, kind.room_m(frame) as f32) };
         Throw { kind, material: self.material.clone(), placing }
     }
 }
 
-/// Up to what height the picture shows what is above the bodies that move, m; `None` where it shows nothing of that.
-fn top_m(frame: &Frame, camera: &Camera, aspect: f32) -> Option<f64> {
+/// Up to what height the picture shows the whole of a body that reaches so far from its middle (m), above the bodies that
+/// move, m; `None` where it shows nothing of that.
+fn top_m(frame: &Frame, camera: &Camera, aspect: f32, room_m: f32) -> Option<f64> {
     let bounds = frame.moving().filter_map(BodyFrame::bounds_m);
     let bounds = bounds.map(|(low, high)| (Vec3::from(low), Vec3::from(high)));
     let (low, high) = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
     let is_seen = |z_m: f32| {
-        let at = camera.picture_position(low.midpoint(high).with_z(z_m), aspect);
+        // What is seen highest of it is no top, but its side that is turned away.
+        let middle_m = low.midpoint(high).with_z(z_m - room_m);
+        let at = camera.picture_position(middle_m + camera.axes()[1] * room_m, aspect);
         at.is_some_and(|at| at.y > TOP_MARGIN && (0.0..=1.0).contains(&at.x))
     };
     let (mut seen_m, mut unseen_m) = (high.z, high.z + camera.distance_m);

@@ -2,7 +2,9 @@
 
 use super::exploded::exploded;
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Camera, Cut, Range, cross_room_m, look_inside, parse_with_unit, what_to_type, with_unit};
+use crate::render::{
+    Camera, Cut, Range, cross_room_m, look_inside, parse_with_unit, what_to_type, with_unit,
+};
 use crate::scene::description::Recording;
 use glam::Vec3;
 

@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::viewer::recording::{Mark, MarkKind};
+use crate::viewer::snapshot::Snapshot;
+use crate::viewer::thrown::ThrowKind;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -117,6 +119,8 @@ fn the_panel_tells_what_would_be_thrown_and_stands_still() {
 fn what_is_dropped_is_whole_in_the_picture_where_there_is_room() {
     let mut window = window();
     open(&mut window, "brick-pile");
+    // As wide as windows are.
+    window.set_size(egui::vec2(1280.0, 800.0));
     press(&mut window, "Pause (space)");
     window.key_press(egui::Key::R);
     settle(&mut window);
@@ -157,18 +161,68 @@ fn a_mark_is_solid_once_time_has_passed_it() {
     press(&mut window, "Pause (space)");
     let orange = egui::Color32::from_rgb(0xe0, 0x9b, 0x39);
     let mut strokes = |share: f64| {
-        let snapshot = Arc::make_mut(&mut window.state_mut().snapshot);
+        let mut snapshot = Snapshot::clone(&window.state().snapshot);
         let recorded_s = snapshot.recording.moments().last().unwrap().time_s;
         Arc::make_mut(&mut snapshot.frame).time_s = recorded_s + 0.01;
         let time_s = recorded_s + 0.01 * share;
         let mark = Mark { time_s, kind: MarkKind::Edit, text: "comes in".to_owned(), edits: 0 };
         snapshot.planned = [mark].into();
-        window.step();
-        let is_mark = |shape: &egui::epaint::ClippedShape| {
-            matches!(shape.shape, egui::Shape::LineSegment { stroke, .. } if stroke.color == orange)
-        };
-        window.output().shapes.iter().filter(|shape| is_mark(shape)).count()
+        window.state().show_still(snapshot);
+        (0..3).for_each(|_| window.step());
+        let is_mark = |shape: &&egui::epaint::ClippedShape| matches!(shape.shape, egui::Shape::LineSegment { stroke, .. } if stroke.color == orange);
+        window.output().shapes.iter().filter(is_mark).count()
     };
     assert_eq!(strokes(0.5), 1);
     assert!(strokes(1.5) > 1);
+}
+
+#[test]
+fn explore() {
+    for size in [[1280.0, 800.0], [1920.0, 1080.0]] {
+        for kind in [ThrowKind::Cube, ThrowKind::Ball] {
+            for until_s in [0.0, 0.005, 0.02, 0.06] {
+                let mut window = window();
+                open(&mut window, "brick-pile");
+                window.set_size(size.into());
+                settle(&mut window);
+                wait(&mut window, "time", |app| app.snapshot.frame.time_s >= until_s);
+                press(&mut window, "Pause (space)");
+                if until_s == 0.0 {
+                    window.key_press(egui::Key::R);
+                    settle(&mut window);
+                }
+                let area = window.state().viewport.unwrap();
+                let app = window.state();
+                let camera = app.look.camera.clone();
+                let y = |body: &crate::frame::BodyFrame| {
+                    let ys = body.positions_m.iter().map(|p| {
+                        camera.picture_position(Vec3::from(*p), area.width() / area.height()).unwrap().y
+                    });
+                    let ys: Vec<f32> = ys.collect();
+                    let z = body.positions_m.iter().map(|p| p[2]);
+                    (
+                        ys.iter().copied().fold(f32::MAX, f32::min),
+                        ys.iter().copied().fold(f32::MIN, f32::max),
+                        z.clone().fold(f32::MAX, f32::min),
+                        z.fold(f32::MIN, f32::max),
+                    )
+                };
+                let before: Vec<_> = app.snapshot.frame.moving().map(&y).collect();
+                let high = before.iter().map(|b| b.3).fold(f32::MIN, f32::max);
+                let seen = before.iter().map(|b| b.0).fold(f32::MAX, f32::min);
+                let throw =
+                    app.aim.drop(kind.clone(), &app.snapshot.frame, &camera, area.width() / area.height());
+                press(&mut window, kind.label());
+                settle(&mut window);
+                let app = window.state();
+                println!(
+                    "{size:?} {kind:?} t {} high {high} seen {seen} throw {:?} got {:?} told {:?}",
+                    app.snapshot.frame.time_s,
+                    throw.placing,
+                    y(app.snapshot.frame.bodies.last().unwrap()),
+                    app.notice()
+                );
+            }
+        }
+    }
 }

@@ -90,10 +90,12 @@ static MOMENTUM: [Curve; 1] = single(
     Color32::from_rgb(0x3b, 0x82, 0xd6),
     |row| row.momentum_kg_m_s,
 );
-static FRAGMENTS: [Curve; 1] =
-    single("Pieces", "Connected pieces of what deforms; a body that is whole counts as one", Color32::from_rgb(0xe0, 0x7b, 0x39), |row| {
-        row.fragments
-    });
+static FRAGMENTS: [Curve; 1] = single(
+    "Pieces",
+    "Connected pieces of what deforms; a body that is whole counts as one",
+    Color32::from_rgb(0xe0, 0x7b, 0x39),
+    |row| row.fragments,
+);
 static STEP: [Curve; 1] =
     single("Stable step", "Elastic step of the slowest body", Color32::from_rgb(0x4f, 0xa3, 0x5f), |row| {
         row.stable_step_s

@@ -7,7 +7,9 @@ use crate::viewer::app::App;
 use crate::viewer::orbit::MouseInput;
 use crate::viewer::pick::{Hit, pick};
 use egui::text::LayoutJob;
-use egui::{Align, Align2, Color32, FontId, Galley, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
+use egui::{
+    Align, Align2, Color32, FontId, Galley, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui,
+};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
