@@ -261,8 +261,9 @@ fn place_above([size_m, reach_m]: [f64; 2], top_m: Option<f64>, world: &World, t
     let (low, high) = bounds.unwrap_or_default();
     let off = DVec3::new(turn.cos(), turn.sin(), 0.0) * (OFF_SHARE * size_m);
     let highest_m = high.z + (HEIGHT_SHARE + 0.5) * size_m;
+    // Whole in the picture, even if something beside it is higher: where there is no room it comes in higher.
     let in_sight_m = top_m.map_or(highest_m, |top_m| top_m - reach_m);
-    low.midpoint(high).with_z(highest_m.min(in_sight_m.max(high.z + 1.05 * reach_m))) + off
+    low.midpoint(high).with_z(highest_m.min(in_sight_m)) + off
 }
 
 /// What is thrown where nothing deforms.
