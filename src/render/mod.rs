@@ -69,6 +69,7 @@ mod surface_pass;
 mod target;
 mod theme;
 mod triangles;
+mod units;
 mod view;
 
 pub use camera::{Camera, NamedView, Ray, UnknownView};
@@ -79,10 +80,11 @@ pub use framing::{Floor, Framing};
 pub use gpu::{ADAPTER_VARIABLE, AdapterChoice, Gpu, GpuError, new_instance};
 pub use off_screen::{OffScreen, Picture};
 pub use quality::Quality;
-pub use range::{Range, parse_with_unit, short, si_prefix, with_unit};
+pub use range::Range;
 pub use renderer::Renderer;
 pub use section::Cut;
 pub use target::Target;
+pub use units::{parse_with_unit, short, si_prefix, what_to_type, with_unit};
 pub use view::{Background, Caption, Ground, View};
 
 #[cfg(test)]

@@ -4,8 +4,9 @@ use crate::frame::ColorBy;
 use crate::render::color_map::ColorMap;
 use crate::render::crosses::{COMPRESSION_SRGB, TENSION_SRGB};
 use crate::render::gpu::Gpu;
-use crate::render::range::{Range, short, si_prefix, with_unit};
+use crate::render::range::Range;
 use crate::render::theme::Theme;
+use crate::render::units::{short, si_prefix, with_unit};
 use crate::render::view::{Caption, View};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 

@@ -1,4 +1,4 @@
-//! The range of values that a colour map covers, and numbers with units.
+//! The range of values that a colour map covers.
 
 use crate::frame::{BodyFrame, ColorBy, Frame};
 
@@ -186,63 +186,6 @@ fn round_step(value: f64) -> f64 {
     lead * decade
 }
 
-/// An SI prefix that brings `size` near 1..1000: its factor and its sign.
-#[must_use]
-pub fn si_prefix(size: f64) -> (f64, &'static str) {
-    const PREFIXES: [(f64, &str); 8] =
-        [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
-    let size = size.abs();
-    if size == 0.0 || !size.is_finite() {
-        return (1.0, "");
-    }
-    PREFIXES.into_iter().find(|(factor, _)| size >= factor * (1.0 - 1e-9)).unwrap_or((1e-9, "n"))
-}
-
-/// A value with its unit: three or four significant digits and an SI prefix, `"1.25 ms"`.
-#[must_use]
-pub fn with_unit(value: f64, unit: &str) -> String {
-    let (factor, prefix) = si_prefix(value);
-    format!("{} {prefix}{unit}", short(value / factor))
-}
-
-/// A number with about four significant digits and no trailing zeros; a true minus sign.
-#[must_use]
-pub fn short(value: f64) -> String {
-    let size = value.abs();
-    let decimals = match size {
-        s if s >= 100.0 => 1,
-        s if s >= 10.0 => 2,
-        _ => 3,
-    };
-    let text = format!("{size:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    let sign = if value < 0.0 && text != "0" { "−" } else { "" };
-    format!("{sign}{text}")
-}
-
-/// Reads a value: `15e6`, `15 M`, `15 MPa` or `15 µs`.
-#[must_use]
-pub fn parse_with_unit(text: &str, unit: &str) -> Option<f64> {
-    const PREFIXES: [(&str, f64); 10] = [
-        ("T", 1e12),
-        ("G", 1e9),
-        ("M", 1e6),
-        ("k", 1e3),
-        ("m", 1e-3),
-        ("µ", 1e-6),
-        ("μ", 1e-6),
-        ("u", 1e-6),
-        ("n", 1e-9),
-        ("", 1.0),
-    ];
-    let text = text.trim().replace('−', "-").replace(',', ".");
-    let bare = text.strip_suffix(unit).unwrap_or(&text).trim_end();
-    PREFIXES.into_iter().find_map(|(prefix, factor)| {
-        let number = bare.strip_suffix(prefix)?.trim_end().parse::<f64>().ok()?;
-        Some(number * factor).filter(|value| value.is_finite())
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -251,28 +194,6 @@ mod tests {
     fn frame_with_speeds(speed_m_s: Vec<f32>) -> Frame {
         let fields = VertexFields { max_principal_pa: speed_m_s.clone(), speed_m_s, ..Default::default() };
         Frame { bodies: vec![BodyFrame { fields, ..Default::default() }], ..Default::default() }
-    }
-
-    #[test]
-    fn typed_values_may_have_prefix_and_unit() {
-        let cases = [
-            ("15e6", 15e6),
-            ("15 MPa", 15e6),
-            ("15M", 15e6),
-            ("2,5 GPa", 2.5e9),
-            ("200 kPa", 200e3),
-            ("12 Pa", 12.0),
-            ("0", 0.0),
-        ];
-        for (text, value) in cases {
-            assert_eq!(parse_with_unit(text, "Pa"), Some(value), "{text}");
-        }
-        assert_eq!(parse_with_unit("3 m", "m"), Some(3.0));
-        assert_eq!(parse_with_unit("3 mm", "m"), Some(3e-3));
-        assert_eq!(parse_with_unit("0.3", ""), Some(0.3));
-        for text in ["", "Pa", "x", "1 2", "inf"] {
-            assert_eq!(parse_with_unit(text, "Pa"), None, "{text}");
-        }
     }
 
     #[test]
@@ -350,14 +271,5 @@ mod tests {
         let range = Range { low: 0.37, high: 7.7 };
         assert_eq!(range.ticks(), [2.0, 4.0, 6.0]);
         assert_eq!(Range { low: 1.0, high: 1.0 }.ticks(), [1.0]);
-    }
-
-    #[test]
-    fn numbers_read_well() {
-        assert_eq!(with_unit(0.00125, "s"), "1.25 ms");
-        assert_eq!(with_unit(2.5e8, "Pa"), "250 MPa");
-        assert_eq!(with_unit(0.0, "s"), "0 s");
-        assert_eq!(with_unit(-3e-6, "m"), "−3 µm");
-        assert_eq!(with_unit(1000.0, "m"), "1 km");
     }
 }

@@ -34,6 +34,8 @@ pub struct Aim {
     pub drag: Option<[Vec2; 2]>,
     /// Whether the drag has ended, and only the place of its start is still to be found.
     pub is_let_go: bool,
+    /// Whether the mouse was pressed last without a way to throw along.
+    pub was_too_short: bool,
     /// Counts the questions for what would be thrown.
     pub asks: u64,
     /// What was asked for last, and in which scene.
@@ -52,6 +54,7 @@ impl Default for Aim {
             spin_rad_s: 0.0,
             drag: None,
             is_let_go: false,
+            was_too_short: false,
             asks: 0,
             asked_for: None,
             is_spent: false,
@@ -81,7 +84,7 @@ impl Aim {
     pub fn arm(&mut self, is_armed: bool) {
         self.is_armed = is_armed;
         self.is_spent |= self.drag.take().is_some();
-        self.is_let_go = false;
+        (self.is_let_go, self.was_too_short) = (false, false);
     }
 
     /// A speed that suits the size of a scene: that of a fall over some lengths of its bodies.
@@ -166,18 +169,21 @@ impl Aim {
     /// The same body, dropped from above what a frame shows, in the picture if there is room.
     #[must_use]
     pub fn drop(&self, kind: ThrowKind, frame: &Frame, camera: &Camera, aspect: f32) -> Throw {
-        let placing = Placing::Above { top_m: top_m(frame, camera, aspect) };
+        let placing = Placing::Above { top_m: top_m(frame, camera, aspect, kind.room_m(frame) as f32) };
         Throw { kind, material: self.material.clone(), placing }
     }
 }
 
-/// Up to what height the picture shows what is above the bodies that move, m; `None` where it shows nothing of that.
-fn top_m(frame: &Frame, camera: &Camera, aspect: f32) -> Option<f64> {
+/// Up to what height the picture shows the whole of a body that reaches so far from its middle (m), above the bodies that
+/// move, m; `None` where it shows nothing of that.
+fn top_m(frame: &Frame, camera: &Camera, aspect: f32, room_m: f32) -> Option<f64> {
     let bounds = frame.moving().filter_map(BodyFrame::bounds_m);
     let bounds = bounds.map(|(low, high)| (Vec3::from(low), Vec3::from(high)));
     let (low, high) = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
     let is_seen = |z_m: f32| {
-        let at = camera.picture_position(low.midpoint(high).with_z(z_m), aspect);
+        // What is seen highest of it is no top, but its side that is turned away.
+        let middle_m = low.midpoint(high).with_z(z_m - room_m);
+        let at = camera.picture_position(middle_m + camera.axes()[1] * room_m, aspect);
         at.is_some_and(|at| at.y > TOP_MARGIN && (0.0..=1.0).contains(&at.x))
     };
     let (mut seen_m, mut unseen_m) = (high.z, high.z + camera.distance_m);

@@ -2,7 +2,9 @@
 
 use super::exploded::exploded;
 use crate::frame::{ColorBy, Frame};
-use crate::render::{Camera, Cut, Range, cross_room_m, look_inside, parse_with_unit, with_unit};
+use crate::render::{
+    Camera, Cut, Range, cross_room_m, look_inside, parse_with_unit, what_to_type, with_unit,
+};
 use crate::scene::description::Recording;
 use glam::Vec3;
 
@@ -212,7 +214,7 @@ impl Seeing {
         };
         let how_many = if count == all { "all".to_owned() } else { count.to_string() };
         let why =
-            "recorded while neither cut nor crosses were on. Reset or Again, and play, to record them anew";
+            "recorded while neither cut nor crosses were on. Reset or Rerun, and play, to record them anew";
         (count > 0).then(|| format!("{how_many} of them without {what}: {why}"))
     }
 
@@ -299,7 +301,7 @@ impl TypedRange {
             let given = given.filter(|(written, _)| written == text).map(|(_, value)| *value);
             given.or_else(|| parse_with_unit(text, color_by.unit())).ok_or_else(|| match color_by.unit() {
                 "" => format!("“{}” is no number", text.trim()),
-                unit => format!("“{}” is no value in {unit}", text.trim()),
+                unit => format!("“{}” is no value in {unit}: {}", text.trim(), what_to_type(unit)),
             })
         };
         Ok(Some([end(&self.low, given(0))?, end(&self.high, given(1))?]))

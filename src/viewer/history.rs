@@ -18,7 +18,9 @@ pub struct Row {
     pub potential_j: f64,
     /// Energy dissipated so far, J.
     pub dissipated_j: f64,
-    /// Sum of the above less the work done on the bodies: constant when all is well, J.
+    /// Work done on the bodies from outside so far, J.
+    pub work_j: f64,
+    /// Sum of the four energies less that work: constant when all is well, J.
     pub sum_j: f64,
     /// Contact force, mean since the row before, N.
     pub contact_force_n: f64,
@@ -42,6 +44,7 @@ impl Row {
             strain_j: energy(self.strain_j),
             potential_j: energy(self.potential_j),
             dissipated_j: energy(self.dissipated_j),
+            work_j: energy(self.work_j),
             sum_j: energy(self.sum_j),
             momentum_kg_m_s: clear(self.momentum_kg_m_s, round_off.momentum_kg_m_s),
             ..self
@@ -57,6 +60,7 @@ impl Row {
             strain_j: sample.strain_j,
             potential_j: sample.potential_j,
             dissipated_j: sample.dissipated_j,
+            work_j: sample.external_work_j,
             sum_j: sample.balance_j(),
             contact_force_n,
             momentum_kg_m_s: sample.linear_momentum_kg_m_s.length(),

@@ -14,6 +14,8 @@ use glam::{DQuat, DVec3, EulerRot, Vec3};
 const SIZE_SHARE: f64 = 0.9;
 /// Size of a typical body where the scene has none that moves, m.
 const DEFAULT_SIZE_M: f64 = 0.3;
+/// What is dropped falls so far beside the middle, in sizes.
+const OFF_SHARE: f64 = 0.12;
 /// Free height above what is there, in sizes.
 const HEIGHT_SHARE: f64 = 0.6;
 /// One after the other, so that a heap stays readable; sRGB.
@@ -92,6 +94,12 @@ impl ThrowKind {
             Self::Ball => 0.2,
             Self::CopyOf(_) => 0.6,
         }
+    }
+
+    /// How far it reaches from the middle of what it is dropped on, m.
+    #[must_use]
+    pub fn room_m(&self, frame: &Frame) -> f64 {
+        SIZE_SHARE * typical_size_in(frame) * (self.reach_share() + OFF_SHARE)
     }
 
     /// The `shape` of a scene file.
@@ -251,10 +259,11 @@ fn place_above([size_m, reach_m]: [f64; 2], top_m: Option<f64>, world: &World, t
         Some((low.min(*x), high.max(*x)))
     });
     let (low, high) = bounds.unwrap_or_default();
-    let off = DVec3::new(turn.cos(), turn.sin(), 0.0) * (0.12 * size_m);
+    let off = DVec3::new(turn.cos(), turn.sin(), 0.0) * (OFF_SHARE * size_m);
     let highest_m = high.z + (HEIGHT_SHARE + 0.5) * size_m;
+    // Whole in the picture, even if something beside it is higher: where there is no room it comes in higher.
     let in_sight_m = top_m.map_or(highest_m, |top_m| top_m - reach_m);
-    low.midpoint(high).with_z(highest_m.min(in_sight_m.max(high.z + 1.05 * reach_m))) + off
+    low.midpoint(high).with_z(highest_m.min(in_sight_m)) + off
 }
 
 /// What is thrown where nothing deforms.

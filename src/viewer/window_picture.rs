@@ -28,7 +28,7 @@ pub enum WindowState {
     Scene,
     /// The gallery of scenes.
     Gallery,
-    /// Plots of energy, force and fragments.
+    /// Plots of energy, force and pieces.
     Plots,
     /// The element in sight that is nearest to failing, or else the one under the highest stress.
     Element,
@@ -123,7 +123,7 @@ fn draw(shot: &WindowShot, session: &mut Session) -> Result<Picture, GpuError> {
 /// The sections that stay open; `None`: all of them.
 fn sections_open(state: WindowState) -> Option<&'static [&'static str]> {
     match state {
-        WindowState::Plots => Some(&["Throw and drop", "Contact", "Energy", "Contact force", "Fragments"]),
+        WindowState::Plots => Some(&["Throw and drop", "Contact", "Energy", "Contact force", "Pieces"]),
         WindowState::Element => Some(&["Throw and drop", "Contact", "Element"]),
         _ => None,
     }

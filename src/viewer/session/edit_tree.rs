@@ -173,13 +173,18 @@ impl EditTree {
 
     /// What redo makes.
     pub fn next(&self) -> Option<&Edit> {
-        self.ways_on().last().map(|node| &self.nodes[*node].edit)
+        self.next_number().and_then(|number| self.at(number))
     }
 
-    /// What redo could make instead.
-    pub fn other(&self) -> Option<&Edit> {
+    /// The number of what redo makes.
+    pub fn next_number(&self) -> Option<usize> {
+        self.ways_on().last().copied()
+    }
+
+    /// The number of what redo could make instead.
+    pub fn other_number(&self) -> Option<usize> {
         let [.., other, _] = self.ways_on() else { return None };
-        Some(&self.nodes[*other].edit)
+        Some(*other)
     }
 
     /// Lets redo make the other one; one after the other has its turn.

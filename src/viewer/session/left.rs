@@ -100,12 +100,22 @@ impl Session {
 
     /// What redo does again, in words, if it comes back to what undo has left here.
     pub(super) fn redo_left_words(&self) -> Option<&str> {
-        let left = self.left.after.last().filter(|left| left.from == self.course.edits.path())?;
-        let at_once = left.since.and_then(|place| {
-            let edit = self.course.edits.at(*left.path.get(place.edits)?)?;
-            (edit.time_s == place.time_s).then_some(&edit.what)
-        });
-        Some(at_once.unwrap_or(&left.what))
+        let left = self.left_here()?;
+        let at_once = self.redo_left_number().and_then(|number| self.course.edits.at(number));
+        Some(at_once.map_or(&left.what, |edit| &edit.what))
+    }
+
+    /// The number of the edit that this does again, if it comes back to one that was made where somebody had gone back to.
+    pub(super) fn redo_left_number(&self) -> Option<usize> {
+        let left = self.left_here()?;
+        let place = left.since?;
+        let number = *left.path.get(place.edits)?;
+        (self.course.edits.at(number)?.time_s == place.time_s).then_some(number)
+    }
+
+    /// What undo has left here.
+    fn left_here(&self) -> Option<&Left> {
+        self.left.after.last().filter(|left| left.from == self.course.edits.path())
     }
 
     /// Goes back to what was left before, where it stood.

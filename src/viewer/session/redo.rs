@@ -49,12 +49,21 @@ impl Session {
 
     /// What had been done here before that.
     pub(super) fn redo_other_words(&self) -> Option<String> {
-        let other = if self.redo_left_words().is_some() {
-            self.course.edits.next()
-        } else {
-            self.course.edits.other()
-        };
-        other.map(|edit| edit.what.clone())
+        let (edits, other) = (&self.course.edits, self.other_number()?);
+        let what = &edits.at(other)?.what;
+        if self.redo_words().as_ref() != Some(what) {
+            return Some(what.clone());
+        }
+        // Two of the same words are told apart by which was done first.
+        let first = self.redo_left_number().or_else(|| edits.next_number())?;
+        Some(format!("{what}, the {} one", if other < first { "earlier" } else { "later" }))
+    }
+
+    /// The number of what had been done here before that: never what redo does, too.
+    fn other_number(&self) -> Option<usize> {
+        let edits = &self.course.edits;
+        let beside = self.redo_left_words().and_then(|_| edits.next_number());
+        beside.filter(|number| self.redo_left_number() != Some(*number)).or_else(|| edits.other_number())
     }
 
     /// What a reset comes to, where something was done before it.
@@ -91,9 +100,9 @@ impl Session {
         let Some((edits, step)) = self.course.edits.last_step() else { return };
         let (time_s, what) = (step.time_s, step.what.clone());
         if self.go_back(Place { time_s, edits }) {
-            let other = self.course.edits.other().map(|other| {
-                format!(" Ctrl Shift Y goes over to what was done here before: {}.", other.what)
-            });
+            let other = self
+                .redo_other_words()
+                .map(|other| format!(" Ctrl Shift Y goes over to what was done here before: {other}."));
             let other = other.unwrap_or_default();
             self.mention(format!("Taken back: {what}. The scene is where it was then.{other}"));
         }
@@ -139,12 +148,11 @@ impl Session {
     /// Makes again what had been done at this place before that.
     pub(super) fn redo_other(&mut self) {
         self.let_go();
-        if self.redo_left_words().is_some() {
-            self.redo_next_edit();
-        } else if self.course.edits.other().is_some() {
+        let Some(other) = self.other_number() else { return };
+        if self.course.edits.next_number() != Some(other) {
             self.course.edits.turn_to_other();
-            self.redo_next_edit();
         }
+        self.redo_next_edit();
     }
 
     /// Ends the way to what would have been made again; that still can be.

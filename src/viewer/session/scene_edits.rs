@@ -35,7 +35,8 @@ impl Session {
     /// Says so where a body could not start at the place that was chosen for it, or is not seen to do anything.
     fn mention_start(&mut self, throw: &Throw, asked_m: f64) {
         let Some(world) = self.course.run.as_ref().map(|run| &run.world) else { return };
-        let lowest_m = lowest_m(world.positions_m(world.body_count() - 1));
+        let nodes_m = world.positions_m(world.body_count() - 1);
+        let lowest_m = lowest_m(nodes_m);
         let lift_m = lowest_m - asked_m;
         let told = match throw.placing {
             Placing::From { .. } if lift_m > 0.0 => {
@@ -43,8 +44,15 @@ impl Session {
             }
             Placing::From { .. } => return,
             Placing::Above { top_m } => {
+                let highest_m = nodes_m.iter().map(|x| x.z).fold(lowest_m, f64::max);
                 let is_seen = top_m.is_some_and(|top_m| lowest_m < top_m);
+                // But for the digits that places are rounded to.
+                let is_whole = top_m.is_some_and(|top_m| highest_m < top_m + 0.01 * (highest_m - lowest_m));
                 match (is_seen, self.is_playing) {
+                    (true, false) if !is_whole => {
+                        "waits above the picture, in part: F shows all of it, play (Space) lets it fall"
+                            .to_owned()
+                    }
                     (true, true) => return,
                     (true, false) => "waits above. Play (Space) lets it fall".to_owned(),
                     (false, true) => "falls from above the picture. F shows everything".to_owned(),

@@ -1,7 +1,10 @@
 //! What is thrown is seen before, at its size and where it starts.
 
 use super::*;
+use crate::viewer::recording::{Mark, MarkKind};
+use crate::viewer::snapshot::Snapshot;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Where a body's middle is in the window.
 fn middle_of(window: &Window, body: usize) -> Pos2 {
@@ -108,4 +111,74 @@ fn the_panel_tells_what_would_be_thrown_and_stands_still() {
     assert_eq!(window.get_by_label("Undo: Ball thrown in").rect(), place);
     let built = window.state().snapshot.frame.bodies.last().unwrap().name.clone();
     assert!(built.contains("ball"));
+}
+
+/// The ball over the pile of bricks began half above the picture when the hammer had bounced, and nothing was said of it.
+#[test]
+fn what_is_dropped_is_whole_in_the_picture_or_told() {
+    for until_s in [0.0, 0.02] {
+        let mut window = window();
+        open(&mut window, "brick-pile");
+        // As wide as windows are.
+        window.set_size(egui::vec2(1280.0, 800.0));
+        settle(&mut window);
+        wait(&mut window, "time", |app| app.snapshot.frame.time_s >= until_s);
+        press(&mut window, "Pause (space)");
+        if until_s == 0.0 {
+            window.key_press(egui::Key::R);
+            settle(&mut window);
+        }
+        press(&mut window, "Ball");
+        let app = window.state();
+        let area = app.viewport.unwrap();
+        let body = app.snapshot.frame.bodies.last().unwrap();
+        let seen_at = |point: &[f32; 3]| {
+            app.look.camera.picture_position(Vec3::from(*point), area.width() / area.height()).unwrap().y
+        };
+        let highest = body.positions_m.iter().map(seen_at).fold(f32::MAX, f32::min);
+        let is_told = app.notice().is_some_and(|text| text.contains("above the picture"));
+        assert!(highest > 0.0 || is_told, "its top is at {highest}: {:?}", app.notice());
+        assert!(until_s > 0.0 || !is_told, "there is room");
+    }
+}
+
+/// A click or a short drag did nothing and said nothing.
+#[test]
+fn a_press_without_a_way_tells_how_to_throw() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    press(&mut window, "Throw with the mouse");
+    let bodies = window.state().snapshot.frame.bodies.len();
+    let at = window.state().viewport.unwrap().center();
+    drag(&mut window, at, at + egui::vec2(1.0, 0.0));
+    settle(&mut window);
+    assert!(window.state().aim.was_too_short);
+    drag(&mut window, at, at + egui::vec2(120.0, 0.0));
+    settle(&mut window);
+    let app = window.state();
+    assert!(!app.aim.was_too_short && app.snapshot.frame.bodies.len() == bodies + 1);
+}
+
+/// A mark was still sketched when the simulation had passed it and only the recording had not.
+#[test]
+fn a_mark_is_solid_once_time_has_passed_it() {
+    let mut window = window();
+    open(&mut window, "bounce");
+    press(&mut window, "Pause (space)");
+    let orange = egui::Color32::from_rgb(0xe0, 0x9b, 0x39);
+    let mut strokes = |share: f64| {
+        let mut snapshot = Snapshot::clone(&window.state().snapshot);
+        let recorded_s = snapshot.recording.moments().last().unwrap().time_s;
+        Arc::make_mut(&mut snapshot.frame).time_s = recorded_s + 0.01;
+        let time_s = recorded_s + 0.01 * share;
+        let mark = Mark { time_s, kind: MarkKind::Edit, text: "comes in".to_owned(), edits: 0 };
+        snapshot.planned = [mark].into();
+        window.state().show_still(snapshot);
+        (0..3).for_each(|_| window.step());
+        let is_mark = |shape: &&egui::epaint::ClippedShape| matches!(shape.shape, egui::Shape::LineSegment { stroke, .. } if stroke.color == orange);
+        window.output().shapes.iter().filter(is_mark).count()
+    };
+    assert_eq!(strokes(0.5), 1);
+    assert!(strokes(1.5) > 1);
 }

@@ -3,12 +3,12 @@
 use super::Action;
 use super::inspector::row;
 use super::style;
-use super::widgets::measured;
-use crate::render::{Camera, parse_with_unit};
+use super::widgets::{Number, measured, said_of, with_its_unit};
+use crate::render::Camera;
 use crate::viewer::app::App;
 use crate::viewer::closer::{Closer, CutDirection};
 use crate::viewer::look::Look;
-use egui::{DragValue, RichText, Slider, SliderClamping, TextEdit, Ui};
+use egui::{RichText, Slider, SliderClamping, TextEdit, Ui};
 
 /// Shows the switches.
 pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
@@ -59,6 +59,7 @@ fn plane(ui: &mut Ui, closer: &mut Closer, camera: &Camera) {
         closer.center();
     }
     let [low, high] = closer.span_m();
+    let mut typed_into = None;
     row(ui, "Place", |ui| {
         // The value keeps its width whatever it is: a row that grows would push the panel's edge.
         let value_size = egui::vec2(88.0, ui.spacing().interact_size.y);
@@ -67,26 +68,31 @@ fn plane(ui: &mut Ui, closer: &mut Closer, camera: &Camera) {
         // A place that a scene says stays, even where no body has come yet.
         let slider = Slider::new(&mut closer.position_m, low..=high).clamping(SliderClamping::Edits);
         ui.add(slider.smart_aim(false).show_value(false)).on_hover_text(hint);
-        let value = DragValue::new(&mut closer.position_m)
-            .range(low..=high)
-            .clamp_existing_to_range(false)
-            .speed(0.002 * f64::from(high - low))
-            .custom_formatter(|value, _| measured(value, "m"))
-            .custom_parser(|text| parse_with_unit(text, "m"));
-        ui.add_sized(value_size, value).on_hover_text(hint);
+        let range = f64::from(low)..=f64::from(high);
+        let number = Number { unit: "m", range, speed: 0.002 * f64::from(high - low), text: measured };
+        let mut position_m = f64::from(closer.position_m);
+        let value = number.show(ui, &mut position_m, value_size).on_hover_text(hint);
+        closer.position_m = position_m as f32;
+        typed_into = Some(value.id);
     });
+    typed_into.into_iter().for_each(|id| said_of(ui, id, f64::from(closer.position_m)));
     if ui.checkbox(&mut closer.is_flipped, "Leave out the other side").changed() {
         closer.keep_side();
     }
 }
 
 fn angle(ui: &mut Ui, label: &str, value_deg: &mut f32, most_deg: f32) {
+    let mut typed_into = None;
     row(ui, label, |ui| {
         ui.spacing_mut().slider_width = (ui.available_width() - 58.0).max(40.0);
         ui.add(Slider::new(value_deg, -most_deg..=most_deg).show_value(false));
-        let value = DragValue::new(value_deg).range(-most_deg..=most_deg).suffix("°").max_decimals(1);
-        ui.add(value.custom_parser(|text| parse_with_unit(text, "°")));
+        let most = f64::from(most_deg);
+        let number = Number { unit: "°", range: -most..=most, speed: 1.0, text: with_its_unit };
+        let mut typed_deg = f64::from(*value_deg);
+        typed_into = Some(number.show(ui, &mut typed_deg, ui.spacing().interact_size).id);
+        *value_deg = typed_deg as f32;
     });
+    typed_into.into_iter().for_each(|id| said_of(ui, id, f64::from(*value_deg)));
 }
 
 /// The range of the colours: found, or typed.

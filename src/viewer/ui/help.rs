@@ -53,7 +53,7 @@ fn content(ui: &mut Ui) {
         table(ui, "mouse", &MOUSE);
     }
     ui.add_space(10.0);
-    ui.weak("Values with a unit can be typed: click on them and write, for example, 2.5 GPa.");
+    ui.weak("Values with a unit can be typed: click on them and write, for example, 2.5 GPa or 36 km/h.");
     ui.weak("Ctrl + and Ctrl - make everything larger or smaller, Ctrl 0 as usual. The panels' edges can be dragged.");
 }
 

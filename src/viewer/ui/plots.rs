@@ -23,7 +23,7 @@ struct Curve {
     value: fn(&Row) -> f64,
 }
 
-static ENERGIES: [Curve; 5] = [
+static ENERGIES: [Curve; 6] = [
     Curve {
         name: "Kinetic",
         hint: "Energy of motion",
@@ -53,8 +53,15 @@ static ENERGIES: [Curve; 5] = [
         value: |row| row.dissipated_j,
     },
     Curve {
-        name: "Sum",
-        hint: "All of them less the work done from outside: constant when the balance holds",
+        name: "Work done",
+        hint: "From outside so far: what was thrown brings its energy of motion, pulls and prescribed motion add theirs",
+        color: Color32::from_rgb(0xb8, 0x9a, 0x2f),
+        is_dashed: false,
+        value: |row| row.work_j,
+    },
+    Curve {
+        name: "Sum − work",
+        hint: "Kinetic, strain, potential and dissipated energy less the work done from outside: constant when the balance holds",
         color: Color32::from_gray(0x88),
         is_dashed: true,
         value: |row| row.sum_j,
@@ -83,10 +90,12 @@ static MOMENTUM: [Curve; 1] = single(
     Color32::from_rgb(0x3b, 0x82, 0xd6),
     |row| row.momentum_kg_m_s,
 );
-static FRAGMENTS: [Curve; 1] =
-    single("Fragments", "Connected pieces of what deforms", Color32::from_rgb(0xe0, 0x7b, 0x39), |row| {
-        row.fragments
-    });
+static FRAGMENTS: [Curve; 1] = single(
+    "Pieces",
+    "Connected pieces of what deforms; a body that is whole counts as one",
+    Color32::from_rgb(0xe0, 0x7b, 0x39),
+    |row| row.fragments,
+);
 static STEP: [Curve; 1] =
     single("Stable step", "Elastic step of the slowest body", Color32::from_rgb(0x4f, 0xa3, 0x5f), |row| {
         row.stable_step_s
@@ -104,7 +113,7 @@ pub struct Figure {
 pub static FIGURES: [Figure; 5] = [
     Figure { title: "Energy", unit: "J", curves: &ENERGIES },
     Figure { title: "Contact force", unit: "N", curves: &FORCE },
-    Figure { title: "Fragments", unit: "", curves: &FRAGMENTS },
+    Figure { title: "Pieces", unit: "", curves: &FRAGMENTS },
     Figure { title: "Momentum (magnitude)", unit: "N s", curves: &MOMENTUM },
     Figure { title: "Stable step", unit: "s", curves: &STEP },
 ];

@@ -57,7 +57,11 @@ fn values(app: &App) -> Vec<(&'static str, String, &'static str)> {
         ("real-time factor", speed, "Simulated time over time on the wall, over the last second"),
         ("elements", status.elements.to_string(), "Tetrahedra of the bodies that deform"),
         ("contacts", status.contact_pairs.to_string(), "Pairs of features that press on each other"),
-        ("fragments", status.fragments.to_string(), "Connected pieces of the bodies that deform"),
+        (
+            "pieces",
+            status.fragments.to_string(),
+            "Connected pieces of the bodies that deform; a whole one is one",
+        ),
         ("stable step", step, "Elastic step of the slowest body"),
         ("stage", status.stage.clone(), "What the last step did"),
         ("steps", status.steps.to_string(), "Steps since the start"),

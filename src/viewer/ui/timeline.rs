@@ -86,12 +86,14 @@ fn bar(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let recorded_s = recording.moments().last().map_or(0.0, |moment| moment.time_s);
     let done = rail.with_max_x(x_of(recorded_s));
     painter.rect_filled(done, 3.0, style::accent().gamma_multiply(0.45));
-    for mark in app.snapshot.planned.iter().filter(|mark| mark.time_s > recorded_s) {
+    // Recorded moments come a while after it.
+    let now_s = app.snapshot.frame.time_s;
+    for mark in app.snapshot.planned.iter().filter(|mark| mark.time_s > now_s) {
         // What is still to come is only sketched.
         let ends = [pos2(x_of(mark.time_s), area.top()), pos2(x_of(mark.time_s), area.bottom())];
         painter.extend(Shape::dashed_line(&ends, Stroke::new(2.0, mark_color(mark.kind)), 4.0, 3.0));
     }
-    let planned = app.snapshot.planned.iter().filter(|mark| mark.time_s <= recorded_s);
+    let planned = app.snapshot.planned.iter().filter(|mark| mark.time_s <= now_s);
     for mark in recording.marks().iter().chain(planned) {
         let x = x_of(mark.time_s);
         let stroke = Stroke::new(2.0, mark_color(mark.kind));

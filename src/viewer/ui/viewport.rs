@@ -7,8 +7,11 @@ use crate::viewer::app::App;
 use crate::viewer::orbit::MouseInput;
 use crate::viewer::pick::{Hit, pick};
 use egui::text::LayoutJob;
-use egui::{Align, Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
+use egui::{
+    Align, Align2, Color32, FontId, Galley, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui,
+};
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// Shows the picture of the scene; what it shows is drawn after the layout, so it is never a frame late.
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -76,13 +79,17 @@ pub(super) fn on_screen(app: &App, area: Rect, point_m: Vec3) -> Option<Pos2> {
     Some(area.min + egui::vec2(at.x * area.width(), at.y * area.height()))
 }
 
+const HOW_TO_THROW: &str =
+    "Press where the body shall start, drag to its target, let go to throw. Esc: no more throwing";
+const TOO_SHORT: &str = "Nothing is thrown yet: press where the body shall start, drag to what it shall hit, and let go there. Esc: no more throwing";
+
 /// Dragging draws a line; letting go throws along it.
 fn take_aim(app: &mut App, area: Rect, response: &Response, actions: &mut Vec<Action>) {
     let is_begun = response.drag_started_by(PointerButton::Primary);
     if is_begun {
         let at = response.interact_pointer_pos().map(|at| share(area, at - response.drag_delta()));
         app.aim.drag = at.map(|at| [at, at]);
-        app.aim.is_let_go = false;
+        (app.aim.is_let_go, app.aim.was_too_short) = (false, false);
         actions.push(Action::Foresee(app.aim.foresight()));
     }
     if app.aim.is_let_go {
@@ -93,10 +100,12 @@ fn take_aim(app: &mut App, area: Rect, response: &Response, actions: &mut Vec<Ac
     } else if !response.dragged() {
         app.aim.drag = None;
     }
+    app.aim.was_too_short |= response.clicked();
     app.place_ghost();
     let is_known = app.ghost().is_some() || !(is_begun || app.is_waiting());
     if app.aim.is_let_go && is_known {
         let path = aimed(app, area);
+        app.aim.was_too_short = path.is_none();
         if let Some(path) = path.filter(|_| app.snapshot.run_error.is_none()) {
             actions.push(Action::Throw(app.aim.throw(&path)));
         }
@@ -116,13 +125,13 @@ fn draw_aim(ui: &Ui, app: &App, area: Rect) {
     app.ghost().into_iter().for_each(|ghost| ghost::draw(ui, app, area, ghost));
     let Some(path) = aimed(app, area) else {
         if app.aim.is_armed && app.aim.drag.is_none() {
-            let text = "Press where the body shall start, drag to its target, let go to throw. Esc: no more throwing";
+            let text = if app.aim.was_too_short { TOO_SHORT } else { HOW_TO_THROW };
             // In more lines where the view is narrow.
             let font = FontId::proportional(12.5);
-            let mut job = LayoutJob::simple(text.to_owned(), font, style::accent(), area.width() - 24.0);
+            let mut job = LayoutJob::simple(text.to_owned(), font, style::accent(), area.width() - 36.0);
             job.halign = Align::Center;
             let galley = ui.painter().layout_job(job);
-            ui.painter().galley(area.center_top() + egui::vec2(0.0, 14.0), galley, style::accent());
+            on_sheet(ui, area, area.center_top() + egui::vec2(0.0, 14.0), galley);
         }
         return;
     };
@@ -142,9 +151,13 @@ fn draw_aim(ui: &Ui, app: &App, area: Rect) {
     // Whole, wherever the body starts.
     let inside = area.shrink(6.0);
     let most = (inside.max - place.size()).max(inside.min);
-    let at = place.min.clamp(inside.min, most);
-    // It can be read over whatever is behind it, the body itself for one.
-    let back = Rect::from_min_size(at, galley.size()).expand2(egui::vec2(6.0, 3.0));
+    on_sheet(ui, area, place.min.clamp(inside.min, most), galley);
+}
+
+/// Text over the picture that can be read over whatever is behind it.
+fn on_sheet(ui: &Ui, area: Rect, at: Pos2, galley: Arc<Galley>) {
+    let painter = ui.painter().with_clip_rect(area);
+    let back = galley.rect.translate(at.to_vec2()).expand2(egui::vec2(6.0, 3.0));
     painter.rect_filled(back, 5.0, ui.visuals().window_fill.gamma_multiply(0.85));
     painter.galley(at, galley, style::accent());
 }
@@ -183,11 +196,13 @@ fn body_menu(ui: &Ui, app: &App, area: Rect, response: &Response, actions: &mut 
         ui.strong(&*name);
         let is_own = app.snapshot.scene.as_ref().is_some_and(|scene| scene.entry_of(&name).is_some());
         ui.add_enabled_ui(is_own, |ui| {
-            let hint = "Only the scene's bodies and what was thrown can be taken out";
-            if ui.button("Take out of the scene").on_disabled_hover_text(hint).clicked() {
+            if ui.button("Take out of the scene").clicked() {
                 actions.push(Action::Remove(body));
             }
         });
+        if !is_own {
+            ui.weak("It stays: only the scene's bodies and what was thrown can be taken out.");
+        }
     });
 }
 

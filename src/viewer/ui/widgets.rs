@@ -2,12 +2,13 @@
 
 use super::style;
 use crate::math::to_digits;
-use crate::render::{parse_with_unit, short, with_unit};
+use crate::render::{parse_with_unit, short, what_to_type, with_unit};
 use egui::style::ScrollAnimation;
 use egui::{
     Align, CollapsingHeader, Color32, Context, DragValue, Id, Response, RichText, ScrollArea, Slider,
     SliderClamping, Ui, UiBuilder,
 };
+use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
 /// A value on a slider.
@@ -30,9 +31,10 @@ impl Parameter {
         let before = *value;
         ui.scope(|ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
-            ui.horizontal(|ui| {
+            let row = ui.horizontal(|ui| {
                 ui.label(self.label).on_hover_text(self.hint);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| self.typed(ui, value));
+                let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
+                ui.with_layout(right_to_left, |ui| self.typed(ui, value)).inner
             });
             ui.spacing_mut().slider_width = ui.available_width();
             // A scene may have what no slider offers: only what is done here keeps to the range.
@@ -40,6 +42,7 @@ impl Parameter {
             let slider = slider.clamping(SliderClamping::Edits);
             let smallest = (self.range.end() * 1e-6).max(*self.range.start());
             ui.add(slider.smallest_positive(smallest).show_value(false)).on_hover_text(self.hint);
+            said_of(ui, row.inner.id, *value);
         });
         // A few digits are all that a slider can tell apart.
         if *value != before {
@@ -48,16 +51,83 @@ impl Parameter {
         *value != before
     }
 
-    fn typed(&self, ui: &mut Ui, value: &mut f64) {
-        let unit = self.unit;
+    fn typed(&self, ui: &mut Ui, value: &mut f64) -> Response {
         let speed = if self.is_logarithmic { value.abs().max(1e-12) * 0.01 } else { 0.002 };
+        let number = Number { unit: self.unit, range: self.range.clone(), speed, text: with_its_unit };
+        number.show(ui, value, ui.spacing().interact_size).on_hover_text("Drag, or click and type")
+    }
+}
+
+/// A value that is dragged, or clicked on and typed, with its unit.
+pub struct Number {
+    /// Its unit; empty for pure numbers.
+    pub unit: &'static str,
+    /// Dragging and typing go no further; a value that is outside stays until then.
+    pub range: RangeInclusive<f64>,
+    /// Change for each point that the mouse moves.
+    pub speed: f64,
+    /// How it is written.
+    pub text: fn(f64, &str) -> String,
+}
+
+impl Number {
+    /// Shows it. What was typed acts when it is all there, and [`said_of`] says what was not understood of it.
+    pub fn show(&self, ui: &mut Ui, value: &mut f64, size: egui::Vec2) -> Response {
+        let (before, shown) = (*value, (self.text)(*value, self.unit));
+        // What was read, and what is said of it.
+        let read: RefCell<Option<(f64, Option<String>)>> = RefCell::default();
         let number = DragValue::new(value)
             .range(self.range.clone())
             .clamp_existing_to_range(false)
-            .speed(speed)
-            .custom_formatter(move |value, _| with_its_unit(value, unit))
-            .custom_parser(move |text| parse_with_unit(text, unit));
-        ui.add(number).on_hover_text("Drag, or click and type");
+            .update_while_editing(false)
+            .speed(self.speed)
+            .min_size(size)
+            .custom_formatter(|value, _| (self.text)(value, self.unit))
+            .custom_parser(|text| {
+                // Looked at and left as it was: it keeps all of its digits.
+                let (value, said) = if text == shown { (before, None) } else { self.read(text, before) };
+                *read.borrow_mut() = Some((value, said));
+                Some(value)
+            });
+        let response = ui.add(number);
+        if let Some((read, said)) = read.into_inner() {
+            *value = read;
+            let id = response.id.with("said");
+            ui.data_mut(|data| {
+                data.remove::<(String, f32)>(id);
+                if let Some(said) = said {
+                    data.insert_temp(id, (said, read as f32));
+                }
+            });
+        }
+        response
+    }
+
+    /// The value that was typed, within the range, and what is to be said of it; the one before where it is none.
+    fn read(&self, text: &str, before: f64) -> (f64, Option<String>) {
+        let Some(value) = parse_with_unit(text, self.unit) else {
+            let text: String = text.trim().chars().take(MOST_REPEATED).collect();
+            return (before, Some(format!("`{text}` is not understood: {}", what_to_type(self.unit))));
+        };
+        let (least, most) = (*self.range.start(), *self.range.end());
+        let said = |end: f64, word: &str| Some(format!("{} is the {word} here", (self.text)(end, self.unit)));
+        match value {
+            value if value < least => (least, said(least, "least")),
+            value if value > most => (most, said(most, "most")),
+            value => (value, None),
+        }
+    }
+}
+
+/// Most characters of what was typed that are repeated.
+const MOST_REPEATED: usize = 24;
+
+/// Says what was wrong with what was typed into the [`Number`] of this id, as long as its value stays.
+pub fn said_of(ui: &mut Ui, id: Id, value: f64) {
+    let said = ui.data(|data| data.get_temp::<(String, f32)>(id.with("said")));
+    if let Some((said, _)) = said.filter(|(_, at)| *at == value as f32) {
+        let (_, color) = style::warning_colors(ui.visuals().dark_mode);
+        ui.label(RichText::new(said).small().color(color));
     }
 }
 
@@ -75,7 +145,7 @@ pub fn mass_text(mass_kg: f64) -> String {
 }
 
 /// A value as people write it: kilograms and rates take no further prefix.
-fn with_its_unit(value: f64, unit: &str) -> String {
+pub fn with_its_unit(value: f64, unit: &str) -> String {
     match unit {
         "" if value != 0.0 && value.abs() < 1e-3 => format!("{value:.1e}"),
         "" => short(value),
@@ -206,6 +276,52 @@ mod tests {
             assert!((0.0..110.0).contains(&below), "{chosen}: {entry:?} below {button:?}");
             window.key_press(egui::Key::Escape);
             (0..4).for_each(|_| window.step());
+        }
+    }
+
+    /// `10 ft` into a speed was 10 m/s, and what was too much became the most without a word.
+    #[test]
+    fn what_is_typed_is_taken_or_told() {
+        use egui_kittest::kittest::Queryable as _;
+        const SPEED: Parameter =
+            Parameter { label: "Speed", unit: "m/s", hint: "", range: 0.1..=500.0, is_logarithmic: true };
+        let mut window = egui_kittest::Harness::builder().with_accessibility_check(false).build_ui_state(
+            |ui, value: &mut f64| {
+                SPEED.show(ui, value);
+                drop(ui.button("beside"));
+            },
+            8.123_456,
+        );
+        let cases = [
+            ("36 km/h", 10.0, None),
+            ("10 ft", 10.0, Some("`10 ft` is not understood: type a number, or one with m/s, mm/s or km/h")),
+            ("20 cm/s", 0.2, None),
+            ("2000", 500.0, Some("500 m/s is the most here")),
+            ("abc", 500.0, Some("`abc` is not understood: type a number, or one with m/s, mm/s or km/h")),
+            ("0", 0.1, Some("100 mm/s is the least here")),
+            ("100 mm/s", 0.1, None),
+        ];
+        let click = |window: &mut egui_kittest::Harness<'_, f64>| {
+            window.get_by_role(egui::accesskit::Role::SpinButton).click();
+            (0..3).for_each(|_| window.step());
+        };
+        // Looked at only.
+        click(&mut window);
+        window.get_by_label("beside").click();
+        (0..3).for_each(|_| window.step());
+        assert_eq!(*window.state(), 8.123_456);
+        for (text, value, said) in cases {
+            click(&mut window);
+            window.event(egui::Event::Text(text.to_owned()));
+            (0..2).for_each(|_| window.step());
+            window.key_press(egui::Key::Enter);
+            (0..3).for_each(|_| window.step());
+            assert_eq!(*window.state(), value, "{text}");
+            for told in ["not understood", "is the "] {
+                let is_told = window.query_by_label_contains(told).is_some();
+                assert_eq!(is_told, said.is_some_and(|said| said.contains(told)), "{text}: {told}");
+            }
+            assert!(said.is_none_or(|said| window.query_by_label(said).is_some()), "{text}");
         }
     }
 }

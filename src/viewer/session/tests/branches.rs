@@ -320,3 +320,28 @@ fn nobody_of_a_wrong_number_is_taken_out() {
     let leave = super::edit_tree::Done::Leave(session.snapshot().scene.unwrap(), 99, String::new());
     assert!(session.course.run.as_mut().unwrap().make(&leave).is_err());
 }
+
+/// One throw into the past, taken back, was offered twice in the same words.
+#[test]
+fn what_leads_to_the_same_is_offered_once_and_the_rest_is_told_apart() {
+    let mut session = opened("bounce", &[]);
+    play(&mut session, 10);
+    let early_s = session.time_s();
+    play(&mut session, 10);
+    let throw = |session: &mut Session, kind: ThrowKind| {
+        session.execute(Command::PlayOnFrom { time_s: early_s, play: false });
+        session.execute(Command::Throw(dropped(kind)));
+        session.execute(Command::Undo);
+    };
+    throw(&mut session, ThrowKind::Hammer);
+    assert_eq!(redo_words(&mut session), [Some("Hammer thrown in".to_owned()), None]);
+    throw(&mut session, ThrowKind::Hammer);
+    let words = ["Hammer thrown in", "Hammer thrown in, the earlier one"];
+    assert_eq!(redo_words(&mut session), words.map(|words| Some(words.to_owned())));
+    // The other one is made, and not what redo makes.
+    let first = session.course.edits.next_number();
+    session.execute(Command::RedoOther);
+    arrive(&mut session);
+    assert_eq!((session.time_s(), session.course.edits.path().len()), (early_s, 1));
+    assert_ne!(session.course.edits.path().first().copied(), first);
+}
