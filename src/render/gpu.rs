@@ -31,8 +31,8 @@ pub enum GpuError {
         reason: String,
     },
     /// The device ran out of memory.
-    #[error("the graphics device ran out of memory; make the picture smaller or close other programs")]
-    OutOfMemory,
+    #[error("the graphics device ran out of memory ({0}); make the picture smaller or close other programs")]
+    OutOfMemory(String),
     /// The device went away while drawing.
     #[error("the graphics device was lost ({0}); start again, or set {ADAPTER_VARIABLE}=software")]
     Lost(String),
@@ -262,12 +262,18 @@ fn needed_limits(available: &wgpu::Limits) -> wgpu::Limits {
     limits
 }
 
+/// An error with all that led to it, in one line.
+fn with_causes(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |error| error.source());
+    causes.map(|cause| cause.to_string().replace('\n', " ")).collect::<Vec<_>>().join(": ")
+}
+
 fn watch_faults(device: &wgpu::Device) -> FaultSlot {
     let fault = FaultSlot::default();
     let slot = fault.clone();
     device.on_uncaptured_error(Arc::new(move |error| {
         slot.put(match error {
-            wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory,
+            wgpu::Error::OutOfMemory { source } => GpuError::OutOfMemory(with_causes(&*source)),
             other => GpuError::Other(other.to_string()),
         });
     }));
@@ -364,9 +370,9 @@ mod tests {
     #[test]
     fn first_fault_is_told_once_but_a_lost_device_always() {
         let slot = FaultSlot::default();
-        slot.put(GpuError::OutOfMemory);
+        slot.put(GpuError::OutOfMemory("for what".into()));
         slot.put(GpuError::Other("a consequence".into()));
-        assert_eq!(slot.take(), Some(GpuError::OutOfMemory));
+        assert_eq!(slot.take(), Some(GpuError::OutOfMemory("for what".into())));
         assert_eq!(slot.take(), None);
         slot.put(GpuError::Lost("gone".into()));
         assert_eq!(slot.take(), slot.take());
