@@ -166,7 +166,7 @@ impl Stage {
     ) -> Result<Option<Duration>, GpuError> {
         let size_limit = self.max_side_px();
         let Some(request) = app.picture_request(pixels_per_point) else { return Ok(None) };
-        let size_px = request.size_px.map(|side| side.min(size_limit));
+        let size_px = drawn_size_px(request.size_px, size_limit);
         let mut picture = self.fitting_picture(size_px);
         let wanted = (request.frame.clone(), request.camera, request.view);
         let is_other = picture.shows.is_none() || self.opened != app.snapshot.opened;
@@ -507,6 +507,17 @@ fn copy(
     );
 }
 
+/// Most pixels that the scene is drawn with, twice those of a 4K screen: what is larger is enlarged. A window without a size is
+/// laid out as if it were huge, and four samples of so many pixels fill any memory.
+const MOST_PX: f64 = 4096.0 * 4096.0;
+
+/// The size that a picture is drawn at which should have another one, with sides of a limited length.
+fn drawn_size_px(size_px: [u32; 2], longest_side_px: u32) -> [u32; 2] {
+    let size_px = size_px.map(|side| side.min(longest_side_px));
+    let scale = (MOST_PX / size_px.map(f64::from).iter().product::<f64>()).sqrt();
+    if scale < 1.0 { size_px.map(|side| (f64::from(side) * scale).max(1.0) as u32) } else { size_px }
+}
+
 fn new_texture(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("picture in the window"),
@@ -526,4 +537,16 @@ fn new_texture(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat
 
 fn is_same(a: &(Arc<Frame>, Camera, View), b: &(Arc<Frame>, Camera, View)) -> bool {
     Arc::ptr_eq(&a.0, &b.0) && a.1 == b.1 && a.2 == b.2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_have_no_more_pixels_than_memory_has_room_for() {
+        assert_eq!(drawn_size_px([3840, 2160], 16384), [3840, 2160]);
+        assert_eq!(drawn_size_px([30_000, 28_000], 16384), [4096, 4096]);
+        assert_eq!(drawn_size_px([0, 20_000], 8192), [0, 8192]);
+    }
 }
