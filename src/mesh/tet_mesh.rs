@@ -40,9 +40,15 @@ impl TetMesh {
     /// Smallest and largest coordinates over all nodes, metres; `None` without nodes.
     #[must_use]
     pub fn bounds_m(&self) -> Option<(DVec3, DVec3)> {
-        let first = *self.nodes_m.first()?;
-        Some(self.nodes_m.iter().fold((first, first), |(low, high), &x| (low.min(x), high.max(x))))
+        bounds_m(&self.nodes_m)
     }
+}
+
+/// Lowest and highest corner of the box around points, m; `None` without any.
+#[must_use]
+pub fn bounds_m(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    let first = *points.first()?;
+    Some(points.iter().fold((first, first), |(low, high), x| (low.min(*x), high.max(*x))))
 }
 
 /// Volume of a tetrahedron, positive when it is right-handed.

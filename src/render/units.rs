@@ -2,11 +2,13 @@
 
 use std::f64::consts::PI;
 
+/// Prefixes, from the largest to the smallest.
+const PREFIXES: [(f64, &str); 8] =
+    [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
+
 /// An SI prefix that brings `size` near 1..1000: its factor and its sign.
 #[must_use]
 pub fn si_prefix(size: f64) -> (f64, &'static str) {
-    const PREFIXES: [(f64, &str); 8] =
-        [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
     let size = size.abs();
     if size == 0.0 || !size.is_finite() {
         return (1.0, "");
@@ -38,9 +40,6 @@ pub fn short(value: f64) -> String {
 
 /// Longest text that is read as a value.
 const LONGEST_TEXT: usize = 64;
-/// Prefixes that may stand alone, and before a unit.
-const PREFIXES: [(&str, f64); 8] =
-    [("T", 1e12), ("G", 1e9), ("M", 1e6), ("k", 1e3), ("m", 1e-3), ("µ", 1e-6), ("u", 1e-6), ("n", 1e-9)];
 
 /// What else people write, by the unit that it is turned into.
 const CONVERSIONS: [(&str, &[(&str, f64)]); 9] = [
@@ -117,8 +116,9 @@ fn factor(written: &str, unit: &str) -> Option<f64> {
     let is_begun = written == "m" && unit == "m/s";
     let prefix = written.strip_suffix(unit).unwrap_or(written);
     let has_unit = prefix.len() < written.len();
-    let centi = [("c", 1e-2)].into_iter().filter(|_| has_unit);
-    let known = PREFIXES.into_iter().chain(centi).find(|(name, _)| *name == prefix);
+    let centi = [(1e-2, "c")].into_iter().filter(|_| has_unit);
+    let read = PREFIXES.into_iter().chain([(1e-6, "u")]).chain(centi);
+    let known = read.map(|(factor, name)| (name, factor)).find(|(name, _)| *name == prefix);
     // Kilograms and degrees take no further prefix.
     let takes = unit != "°" && !(has_unit && unit.starts_with("kg"));
     known.filter(|_| takes && !is_begun).map(|(_, factor)| factor)

@@ -1,6 +1,6 @@
 //! Where a body that comes in starts: at its place, or above what is there.
 
-use crate::mesh::{TetMesh, overlap};
+use crate::mesh::{TetMesh, bounds_m, overlap};
 use glam::DVec3;
 
 /// Free height above the body below, as a share of the newcomer's size.
@@ -35,11 +35,6 @@ pub fn raise_clear(nodes_m: &mut [DVec3], boxes: &[(DVec3, DVec3)]) {
 
 fn cut(a: &(DVec3, DVec3), b: &(DVec3, DVec3)) -> bool {
     a.0.cmple(b.1).all() && b.0.cmple(a.1).all()
-}
-
-fn bounds_m(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
-    let first = *points.first()?;
-    Some(points.iter().fold((first, first), |(low, high), x| (low.min(*x), high.max(*x))))
 }
 
 #[cfg(test)]

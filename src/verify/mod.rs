@@ -4,6 +4,7 @@
 //! the bound of the error with its reason; [`Plot`]s hold the curves of the report. Nothing here reads or writes a
 //! file, and nothing depends on the clock or on the number of threads.
 
+mod balance;
 mod case;
 pub mod cases;
 mod cracks;

@@ -7,6 +7,7 @@ use crate::render::{
 };
 use crate::scene::description::Recording;
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// Smallest and largest coordinates, m.
 type Bounds = ([f32; 3], [f32; 3]);
@@ -191,12 +192,18 @@ impl Seeing {
         self.cut.is_some() || self.with_crosses
     }
 
-    /// Between which distances beyond the plane everything is that could be cut, m, if the plane is beside all of it.
+    /// A frame with its fragments where they are drawn.
     #[must_use]
-    pub fn beside_m(&self, frame: &Frame) -> Option<[f32; 2]> {
+    pub fn apart<'a>(&self, frame: &'a Frame) -> Cow<'a, Frame> {
+        if self.explode > 0.0 { Cow::Owned(exploded(frame, self.explode)) } else { Cow::Borrowed(frame) }
+    }
+
+    /// Between which distances beyond the plane everything is of a frame whose fragments are where they are drawn that could be
+    /// cut, m, if the plane is beside all of it.
+    #[must_use]
+    pub fn beside_m(&self, apart: &Frame) -> Option<[f32; 2]> {
         let cut = self.cut?;
-        let apart = (self.explode > 0.0).then(|| exploded(frame, self.explode));
-        let reaches = apart.as_ref().unwrap_or(frame).moving().filter_map(|body| cut.reach_m(body));
+        let reaches = apart.moving().filter_map(|body| cut.reach_m(body));
         let reaches: Vec<[f32; 2]> = reaches.collect();
         let is_met = reaches.iter().any(|[low, high]| *low <= 0.0 && *high >= 0.0);
         reaches.into_iter().filter(|_| !is_met).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
@@ -221,14 +228,17 @@ impl Seeing {
     /// The frame as it is drawn.
     #[must_use]
     pub fn of(&self, frame: &Frame) -> Frame {
-        let apart = (self.explode > 0.0).then(|| exploded(frame, self.explode));
-        if self.needs_interior() {
-            let frame = apart.as_ref().unwrap_or(frame);
-            let room_m = || self.cross_room_m.unwrap_or_else(|| cross_room_m(frame));
-            look_inside(frame, self.cut.as_ref(), self.with_crosses.then(room_m))
-        } else {
-            apart.unwrap_or_else(|| frame.clone())
+        self.of_apart(self.apart(frame))
+    }
+
+    /// The same of one whose fragments are where they are drawn.
+    #[must_use]
+    pub fn of_apart(&self, apart: Cow<'_, Frame>) -> Frame {
+        if !self.needs_interior() {
+            return apart.into_owned();
         }
+        let room_m = || self.cross_room_m.unwrap_or_else(|| cross_room_m(&apart));
+        look_inside(&apart, self.cut.as_ref(), self.with_crosses.then(room_m))
     }
 }
 

@@ -111,8 +111,7 @@ impl History {
 
     /// Forgets the rows after a time, s.
     pub fn cut_after(&mut self, time_s: f64) {
-        self.rows.retain(|row| row.time_s <= time_s);
-        self.offered = (self.rows.len() as u64) << self.thinning;
+        self.split_off(time_s);
     }
 
     /// Takes the rows after a time, s, out.

@@ -25,13 +25,19 @@ pub type Waker = Box<dyn Fn() + Send>;
 /// The window's end of the simulation thread.
 pub struct Simulation {
     commands: Sender<Command>,
-    sent: u64,
-    /// What was sent lately, for a test that finds out that there is no end to it.
-    #[cfg(test)]
-    lately: std::collections::VecDeque<String>,
+    sent: Sent,
     slot: Arc<LatestSlot<Snapshot>>,
     wants_end: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
+}
+
+/// What was sent so far.
+#[derive(Default)]
+struct Sent {
+    count: u64,
+    /// The last commands, for a test that finds out that there is no end to them.
+    #[cfg(test)]
+    lately: std::collections::VecDeque<String>,
 }
 
 impl Simulation {
@@ -55,15 +61,7 @@ impl Simulation {
         let workers = background::workers("simulation")?;
         let work = move || workers.install(|| worker.run());
         let thread = std::thread::Builder::new().name("simulation".to_owned()).spawn(work)?;
-        Ok(Self {
-            commands,
-            sent: 0,
-            #[cfg(test)]
-            lately: std::collections::VecDeque::default(),
-            slot,
-            wants_end,
-            thread: Some(thread),
-        })
+        Ok(Self { commands, sent: Sent::default(), slot, wants_end, thread: Some(thread) })
     }
 
     /// One that stands still and shows a snapshot for ever, without a thread.
@@ -72,9 +70,7 @@ impl Simulation {
         let slot = Arc::default();
         let simulation = Self {
             commands: channel().0,
-            sent: 0,
-            #[cfg(test)]
-            lately: std::collections::VecDeque::default(),
+            sent: Sent::default(),
             slot,
             wants_end: Arc::default(),
             thread: None,
@@ -93,19 +89,19 @@ impl Simulation {
     pub fn send(&mut self, command: Command) {
         #[cfg(test)]
         {
-            self.lately.truncate(9);
-            self.lately.push_front(format!("{command:?}"));
+            self.sent.lately.truncate(9);
+            self.sent.lately.push_front(format!("{command:?}"));
         }
         // The thread only ends after this end is gone.
         if self.commands.send(command).is_ok() {
-            self.sent += 1;
+            self.sent.count += 1;
         }
     }
 
     /// The last commands, the latest first, and how many there were.
     #[cfg(test)]
     pub fn lately(&self) -> (u64, Vec<&str>) {
-        (self.sent, self.lately.iter().map(String::as_str).collect())
+        (self.sent.count, self.sent.lately.iter().map(String::as_str).collect())
     }
 
     /// The latest state, if there is one yet.
@@ -117,7 +113,7 @@ impl Simulation {
     /// Whether commands are under way that `snapshot` does not show yet.
     #[must_use]
     pub fn is_behind(&self, snapshot: &Snapshot) -> bool {
-        snapshot.commands_done < self.sent
+        snapshot.commands_done < self.sent.count
     }
 }
 

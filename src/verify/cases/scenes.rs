@@ -1,5 +1,6 @@
 //! Energy balance of shipped scenes: kinetic + strain + potential + dissipated = work done (METHOD 9).
 
+use super::super::balance::{Balance, penetration};
 use super::super::specimen::GRAVITY_M_S2;
 use super::super::{CaseError, Effort, Outcome, Plot, Quantity};
 use crate::scene::Scene;
@@ -25,36 +26,20 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
     for name in if effort.quick { QUICK } else { ALL } {
         let scene = Scene::load(name, &[])?;
         let mut world = World::new(scene.setup)?;
-        let start = world.sample();
-        let (mut error_j, mut most_j) = (0.0_f64, 0.0_f64);
+        let mut balance = Balance::of(&world);
         let mut curves: [Vec<[f64; 2]>; 5] = Default::default();
         effort.run(&mut world, scene.description.duration_s, |world, report| {
             let s = world.sample();
-            error_j = error_j.max((s.balance_j() - start.balance_j()).abs());
-            most_j = most_j.max(s.kinetic_j).max(s.external_work_j).max(s.potential_j.abs());
+            balance.follow(&s);
             let energies = [s.kinetic_j, s.strain_j, s.potential_j, s.dissipated_j, s.balance_j()];
             curves.iter_mut().zip(energies).for_each(|(curve, j)| curve.push([report.time_s, j]));
         })?;
         all.push(
-            Quantity::absolute(
-                format!("{name}: largest error of the balance / largest energy"),
-                "",
-                error_j / most_j,
-                0.0,
-            )
-            .by("kinetic + strain + potential + dissipated - work is constant (METHOD 9)")
-            .within(0.01, "steps of central differences; a quarter of the thesis's 3.67 % of its rods"),
+            balance
+                .quantity(name)
+                .within(0.01, "steps of central differences; a quarter of the thesis's 3.67 % of its rods"),
         );
-        all.push(
-            Quantity::absolute(
-                format!("{name}: deepest penetration / element"),
-                "",
-                world.largest_penetration_ratio(),
-                0.0,
-            )
-            .by("no penetration (METHOD 5)")
-            .within(1e-3, "what passes leave, a thousandth of an element"),
-        );
+        all.push(penetration(name, &world).within(1e-3, "what passes leave, a thousandth of an element"));
         if *name == "hammer-ground" {
             let names = ["kinetic", "strain", "potential", "dissipated", "sum less work"];
             let plot = Plot::new("energy", "Energy of hammer-ground", ["time, s", "energy, J"]);

@@ -92,7 +92,9 @@ impl App {
         }
         let is_known = |seen: &Seen| Arc::ptr_eq(&seen.of, &shown) && seen.by == seeing;
         if !self.seen.as_ref().is_some_and(is_known) {
-            let (frame, beside_m) = (Arc::new(seeing.of(&shown)), seeing.beside_m(&shown));
+            let apart = seeing.apart(&shown);
+            let beside_m = seeing.beside_m(&apart);
+            let frame = Arc::new(seeing.of_apart(apart));
             self.look.take_in_crosses(&frame);
             self.seen = Some(Seen { of: shown, by: seeing, frame, beside_m });
         }

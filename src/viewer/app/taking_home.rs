@@ -198,6 +198,7 @@ impl App {
     }
 }
 
+/// A text with a large letter at its beginning.
 pub fn in_a_sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();

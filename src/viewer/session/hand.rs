@@ -7,6 +7,7 @@ use super::course::Place;
 use super::edit_tree::Done;
 use super::{Run, Session};
 use crate::math::{to_digits, vector_to_digits_of};
+use crate::mesh::bounds_m;
 use crate::sim::{PathPoint, Pull};
 use glam::DVec3;
 
@@ -30,9 +31,7 @@ pub(super) struct Hand {
 }
 
 fn size_m(nodes_m: &[DVec3]) -> f64 {
-    let (low, high) =
-        nodes_m.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
-    (high - low).max_element()
+    bounds_m(nodes_m).map_or(0.0, |(low, high)| (high - low).max_element())
 }
 
 impl Session {

@@ -3,7 +3,7 @@
 use super::Action;
 use super::inspector::row;
 use super::style;
-use super::widgets::{Number, measured, said_of, with_its_unit};
+use super::widgets::{Number, caution, measured, said_of, with_its_unit};
 use crate::render::Camera;
 use crate::viewer::app::App;
 use crate::viewer::closer::{Closer, CutDirection};
@@ -26,8 +26,7 @@ pub fn show(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
             let [from, to] = [from_m.min(to_m), from_m.max(to_m)].map(|m| measured(f64::from(m), "m"));
             let text =
                 format!("The plane goes through no body that moves: they are between {from} and {to} now.");
-            let (_, color) = style::warning_colors(ui.visuals().dark_mode);
-            ui.label(RichText::new(text).small().color(color));
+            caution(ui, &text);
         }
         if edited != closer {
             actions.push(Action::CutEdited(edited));

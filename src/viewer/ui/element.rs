@@ -38,11 +38,7 @@ pub fn show(ui: &mut Ui, app: &App) {
     }
     ui.label(format!("{}, element {}", inspection.body, inspection.element));
     Grid::new("element").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
-        let mut row = |name: &str, value: String| {
-            ui.label(RichText::new(name).small().weak());
-            ui.label(RichText::new(value).small().strong());
-            ui.end_row();
-        };
+        let mut row = |name: &str, value: String| told(ui, name, &value);
         row("material", inspection.material.clone());
         if let Some(fragment) = inspection.fragment {
             row("fragment", fragment.to_string());
@@ -63,6 +59,13 @@ pub fn show(ui: &mut Ui, app: &App) {
     }
 }
 
+/// A row of a grid: a name and its value.
+fn told(ui: &mut Ui, name: &str, value: &str) {
+    ui.label(RichText::new(name).small().weak());
+    ui.label(RichText::new(value).small().strong());
+    ui.end_row();
+}
+
 /// Most coefficients of friction with a rigid body that are told.
 const MOST_PAIRS: usize = 8;
 
@@ -71,11 +74,7 @@ fn rigid_body(ui: &mut Ui, name: &str, rigid: &RigidBody) {
     ui.label(name);
     ui.weak("It is rigid: no stress, no cracks.");
     Grid::new("rigid").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
-        let mut row = |name: &str, value: String| {
-            ui.label(RichText::new(name).small().weak());
-            ui.label(RichText::new(value).small().strong());
-            ui.end_row();
-        };
+        let mut row = |name: &str, value: String| told(ui, name, &value);
         match rigid.motion {
             None => row("moves", "never".to_owned()),
             Some((velocity_m_s, spin_rad_s)) => {

@@ -1,6 +1,6 @@
 //! Taking it home.
 
-use super::widgets::measured;
+use super::widgets::{caution, measured};
 use super::{Action, style};
 use crate::render::parse_with_unit;
 use crate::viewer::app::{App, SaveKind, in_a_sentence};
@@ -102,7 +102,6 @@ fn animation(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let text = format!("{pictures} pictures of {} to {}", measured(from_s, "s"), measured(to_s, "s"));
     ui.label(RichText::new(text).small().weak());
     if let Some(lacks) = app.animation_lacks() {
-        let (_, color) = style::warning_colors(ui.visuals().dark_mode);
-        ui.label(RichText::new(in_a_sentence(&lacks) + ".").small().color(color));
+        caution(ui, &(in_a_sentence(&lacks) + "."));
     }
 }

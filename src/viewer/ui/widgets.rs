@@ -126,9 +126,14 @@ const MOST_REPEATED: usize = 24;
 pub fn said_of(ui: &mut Ui, id: Id, value: f64) {
     let said = ui.data(|data| data.get_temp::<(String, f32)>(id.with("said")));
     if let Some((said, _)) = said.filter(|(_, at)| *at == value as f32) {
-        let (_, color) = style::warning_colors(ui.visuals().dark_mode);
-        ui.label(RichText::new(said).small().color(color));
+        caution(ui, &said);
     }
+}
+
+/// Small words about something that is not as it should be.
+pub fn caution(ui: &mut Ui, text: &str) {
+    let (_, color) = style::warning_colors(ui.visuals().dark_mode);
+    ui.label(RichText::new(text).small().color(color));
 }
 
 /// A measured value with its unit, short whatever its size: a run that blows up must not blow up the panels.
