@@ -24,17 +24,18 @@ pub struct SurfaceBoxes {
     /// Around all of them.
     bounds: Aabb,
     positions_m: Vec<DVec3>,
-    margin_m: f64,
+    /// By node.
+    margins_m: Vec<f64>,
 }
 
-/// A box around points that may be anywhere between two moments, fattened.
-fn box_around(points: impl IntoIterator<Item = DVec3>, margin_m: f64) -> Aabb {
+/// A box around points, each fattened by its margin.
+fn box_around(points: impl IntoIterator<Item = (DVec3, f64)>) -> Aabb {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in points {
-        low = low.min(p);
-        high = high.max(p);
+    for (p, margin_m) in points {
+        low = low.min(p - DVec3::splat(margin_m));
+        high = high.max(p + DVec3::splat(margin_m));
     }
-    Aabb::new(low - DVec3::splat(margin_m), high + DVec3::splat(margin_m))
+    Aabb::new(low, high)
 }
 
 pub(super) fn overlap(a: &Aabb, b: &Aabb) -> bool {
@@ -58,22 +59,52 @@ impl SurfaceBoxes {
             boxes: Vec::new(),
             bounds: Aabb::new_invalid(),
             positions_m: start_m.to_vec(),
-            margin_m,
+            margins_m: vec![margin_m; start_m.len()],
         };
         found.put_around(surface, [start_m, end_m]);
         found.build_hierarchy();
         found
     }
 
-    /// The same boxes around the surface where it is by now. The hierarchy stays: neighbours are neighbours still.
-    pub fn move_to(&mut self, surface: &ContactSurface, positions_m: &[DVec3], margin_m: f64) {
-        self.margin_m = margin_m;
+    /// The same boxes around the surface where it is by now, fattened by node. The hierarchy stays: neighbours are neighbours
+    /// still.
+    pub fn move_to(
+        &mut self,
+        surface: &ContactSurface,
+        positions_m: &[DVec3],
+        margin_m: impl Fn(u32) -> f64,
+    ) {
         self.positions_m.clear();
         self.positions_m.extend_from_slice(positions_m);
+        self.margins_m = (0..positions_m.len() as u32).map(margin_m).collect();
         self.put_around(surface, [positions_m; 2]);
+        self.refit(|_| true);
+    }
+
+    /// The same boxes but for those of the affected nodes; `at_m` tells their places and margins by now.
+    pub fn move_affected(
+        &mut self,
+        surface: &ContactSurface,
+        numbers: &Renumbering,
+        at_m: impl Fn(u32) -> (DVec3, f64),
+    ) {
+        for node in (0..self.positions_m.len()).filter(|node| numbers.is_affected(*node as u32)) {
+            (self.positions_m[node], self.margins_m[node]) = at_m(node as u32);
+        }
+        let mut is_affected = vec![false; self.boxes.len()];
+        for triangle in numbers.affected_triangles() {
+            self.boxes[*triangle as usize] = self.box_of(surface.triangles[*triangle as usize]);
+            is_affected[*triangle as usize] = true;
+        }
+        self.enclose_all();
+        self.refit(|triangle| is_affected[triangle as usize]);
+    }
+
+    /// Takes the boxes of such triangles over into the hierarchy.
+    fn refit(&mut self, has_changed: impl Fn(u32) -> bool) {
         for (leaf, triangle) in (0_u32..).zip(&self.triangle_of_leaf) {
-            if let Some(triangle) = triangle {
-                self.bvh.insert_or_update_partially(self.boxes[*triangle as usize], leaf, 0.0);
+            if let Some(triangle) = triangle.filter(|triangle| has_changed(*triangle)) {
+                self.bvh.insert_or_update_partially(self.boxes[triangle as usize], leaf, 0.0);
             }
         }
         self.bvh.refit(&mut BvhWorkspace::default());
@@ -81,10 +112,14 @@ impl SurfaceBoxes {
 
     fn put_around(&mut self, surface: &ContactSurface, ends_m: [&[DVec3]; 2]) {
         let box_of = |t: &[u32; 3]| {
-            let ends = t.iter().flat_map(|n| ends_m.map(|end_m| end_m[*n as usize]));
-            box_around(ends, self.margin_m)
+            let ends = t.iter().flat_map(|n| ends_m.map(|end_m| (end_m[*n as usize], self.margin_m(*n))));
+            box_around(ends)
         };
         self.boxes = in_parts::map(&surface.triangles, BOXES_AT_ONCE, box_of);
+        self.enclose_all();
+    }
+
+    fn enclose_all(&mut self) {
         let around = |all: Aabb, one: &Aabb| Aabb::new(all.mins.min(one.mins), all.maxs.max(one.maxs));
         self.bounds = self.boxes.iter().fold(Aabb::new_invalid(), around);
     }
@@ -99,8 +134,9 @@ impl SurfaceBoxes {
     /// one; later ones may have earlier ones as parents.
     pub fn follow(&mut self, surface: &ContactSurface, numbers: &Renumbering, parents: &[([u32; 2], f64)]) {
         for ([a, b], weight) in parents {
-            let [a, b] = [a, b].map(|parent| self.positions_m[*parent as usize]);
-            self.positions_m.push(a.lerp(b, *weight));
+            let [x, y] = [a, b].map(|parent| self.positions_m[*parent as usize]);
+            self.positions_m.push(x.lerp(y, *weight));
+            self.margins_m.push(self.margin_m(*a).max(self.margin_m(*b)));
         }
         let mut boxes = vec![Aabb::new_invalid(); numbers.triangle_count()];
         for (old, kept) in (0_u32..).zip(&self.boxes) {
@@ -109,8 +145,7 @@ impl SurfaceBoxes {
             }
         }
         for triangle in numbers.new_triangles() {
-            let corners_m = surface.corners_m(*triangle, &self.positions_m);
-            boxes[*triangle as usize] = box_around(corners_m, self.margin_m);
+            boxes[*triangle as usize] = self.box_of(surface.triangles[*triangle as usize]);
         }
         self.boxes = boxes;
         for (leaf, triangle) in (0_u32..).zip(&mut self.triangle_of_leaf) {
@@ -171,10 +206,15 @@ impl SurfaceBoxes {
         pairs
     }
 
-    /// How far the boxes are fattened, m.
+    /// How far the box of a node is fattened, and those of its triangles there, m.
     #[must_use]
-    pub fn margin_m(&self) -> f64 {
-        self.margin_m
+    pub fn margin_m(&self, node: u32) -> f64 {
+        self.margins_m[node as usize]
+    }
+
+    /// The largest margin of some nodes, m.
+    pub(super) fn most_margin_m(&self, nodes: &[u32]) -> f64 {
+        nodes.iter().map(|node| self.margin_m(*node)).fold(0.0, f64::max)
     }
 
     /// Positions at which the boxes were built, all nodes of the body, m.
@@ -196,7 +236,11 @@ impl SurfaceBoxes {
 
     /// Box of one node.
     pub(super) fn node_box(&self, node: u32) -> Aabb {
-        box_around([self.positions_m[node as usize]], self.margin_m)
+        self.box_of([node])
+    }
+
+    fn box_of<const N: usize>(&self, nodes: [u32; N]) -> Aabb {
+        box_around(nodes.map(|node| (self.positions_m[node as usize], self.margin_m(node))))
     }
 }
 

@@ -189,10 +189,11 @@ fn push_nodes(out: &mut Vec<(u32, u32)>, nodes_of: Speaker, patch: Speaker, is_s
     }
     let corners = patch_surface.corners_m(triangle, patch_boxes.built_at_m());
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    let margins_m = boxes.margin_m() + patch_boxes.margin_m();
-    let reach_m = MARGIN_USED * margins_m + DEPTH * patch_surface.triangle_size_m[triangle as usize];
+    let patch_margin_m = patch_boxes.most_margin_m(&patch_surface.triangles[triangle as usize]);
+    let depth_m = DEPTH * patch_surface.triangle_size_m[triangle as usize];
     // The distance from the plane bounds the one from the patch, which no motion within the margins changes by more.
     let is_in_reach = |node: u32| {
+        let reach_m = MARGIN_USED * (boxes.margin_m(node) + patch_margin_m) + depth_m;
         let height = (boxes.built_at_m()[node as usize] - corners[0]).dot(normal);
         height * height <= reach_m * reach_m * normal.length_squared()
             && overlap(&boxes.node_box(node), patch_boxes.of_triangle(triangle))
@@ -214,13 +215,14 @@ fn push_edges(out: &mut Vec<(u32, u32)>, first: Speaker, second: Speaker, is_swe
     let sharp = |(surface, boxes, t): Speaker| {
         surface.owned_edges[t as usize].map(|edge| {
             let edge = edge?;
-            Some((edge, surface.edges[edge as usize].nodes.map(|n| boxes.built_at_m()[n as usize])))
+            let ends = surface.edges[edge as usize].nodes;
+            Some((edge, ends.map(|n| boxes.built_at_m()[n as usize]), boxes.most_margin_m(&ends)))
         })
     };
-    let margins_m = first.1.margin_m() + second.1.margin_m();
     let others = sharp(second);
-    for (e1, p) in sharp(first).into_iter().flatten() {
-        for (e2, q) in others.iter().flatten() {
+    for (e1, p, p_margin_m) in sharp(first).into_iter().flatten() {
+        for (e2, q, q_margin_m) in others.iter().flatten() {
+            let margins_m = p_margin_m + q_margin_m;
             if is_swept || (are_boxes_near(p, *q, margins_m) && are_lines_near(p, *q, margins_m)) {
                 out.push((e1, *e2));
             }

@@ -122,8 +122,9 @@ impl ImpactStores {
         if self.stores.is_empty() {
             return;
         }
-        let mut keys: Vec<(StoreKey, usize)> =
-            constraints.iter().enumerate().map(|(i, c)| (key_of(c), i)).collect();
+        // Within a body nothing is stored.
+        let between = constraints.iter().enumerate().filter(|(_, c)| !c.is_own());
+        let mut keys: Vec<(StoreKey, usize)> = between.map(|(i, c)| (key_of(c), i)).collect();
         keys.sort_unstable();
         for kept in &self.stores {
             let first = keys.partition_point(|k| k.0 < kept.key);

@@ -1,11 +1,11 @@
-//! What becomes of the numbers of a surface when the mesh behind it is cut.
+//! What becomes of the numbers of a surface when the mesh behind it is cut, or when some of it has to be looked at anew.
 
 use super::Surface;
 
 /// Old and new numbers of the triangles and edges of a surface before and after a cut. Nodes keep theirs.
 ///
-/// A node is *affected* when one of its triangles came or went; triangles and edges are when one of their nodes is.
-/// Around all others nothing changed but the numbers.
+/// A node is *affected* when one of its triangles came or went, or where nothing was cut, when it is said to be; triangles and
+/// edges are when one of their nodes is. Around all others nothing changed but the numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Renumbering {
     triangle_now: Vec<Option<u32>>,
@@ -36,19 +36,44 @@ impl Renumbering {
         for node in gone.chain(come).flatten() {
             found.is_affected[node as usize] = true;
         }
-        found.affected_triangles = (0_u32..)
-            .zip(&new.triangles)
-            .filter(|(_, nodes)| nodes.iter().any(|n| found.is_affected[*n as usize]))
-            .map(|(triangle, _)| triangle)
-            .collect();
         found.match_edges(old, new);
-        let is_whole = |nodes: &[u32]| nodes.iter().all(|n| !found.is_affected[*n as usize]);
-        let triangles = found.triangle_now.iter().zip(&old.triangles);
-        let triangles = triangles.map(|(now, nodes)| now.filter(|_| is_whole(nodes))).collect();
-        let edges = found.edge_now.iter().zip(&old.edges);
-        let edges = edges.map(|(now, edge)| now.filter(|_| is_whole(&edge.nodes))).collect();
-        (found.unaffected_triangle_now, found.unaffected_edge_now) = (triangles, edges);
+        found.tell_affected((&old.triangles, old.edges.iter().map(|edge| edge.nodes)), &new.triangles);
         found
+    }
+
+    /// Of a surface that stays as it is, of whose nodes some are affected.
+    #[must_use]
+    pub fn unchanged(
+        triangles: &[[u32; 3]],
+        edges: impl ExactSizeIterator<Item = [u32; 2]>,
+        is_affected: Vec<bool>,
+    ) -> Self {
+        let mut found = Self {
+            triangle_now: (0..triangles.len() as u32).map(Some).collect(),
+            edge_now: (0..edges.len() as u32).map(Some).collect(),
+            is_affected,
+            triangle_count: triangles.len(),
+            ..Self::default()
+        };
+        found.tell_affected((triangles, edges), triangles);
+        found
+    }
+
+    /// Takes note of which triangles and edges (before) and triangles (now) are affected, by what is known of their nodes.
+    fn tell_affected(
+        &mut self,
+        (triangles, edges): (&[[u32; 3]], impl Iterator<Item = [u32; 2]>),
+        triangles_now: &[[u32; 3]],
+    ) {
+        let is_whole = |nodes: &[u32]| nodes.iter().all(|n| !self.is_affected[*n as usize]);
+        let affected =
+            (0_u32..).zip(triangles_now).filter(|(_, nodes)| !is_whole(*nodes)).map(|(t, _)| t).collect();
+        let triangles = self.triangle_now.iter().zip(triangles);
+        let triangles = triangles.map(|(now, nodes)| now.filter(|_| is_whole(nodes))).collect();
+        let edges = self.edge_now.iter().zip(edges);
+        let edges = edges.map(|(now, nodes)| now.filter(|_| is_whole(&nodes))).collect();
+        (self.affected_triangles, self.unaffected_triangle_now, self.unaffected_edge_now) =
+            (affected, triangles, edges);
     }
 
     /// A triangle is the same when it has the same corners in the same order and belongs to the same tetrahedron. Both

@@ -4,11 +4,12 @@
 //! boxes are fattened.
 
 use super::body::{Body, Regime};
+use super::own_boxes::OwnBoxes;
 use crate::contact::candidates::{Candidates, between, within};
 use crate::contact::{CloseList, OwnFeatures, SurfaceBoxes};
-use crate::math::{DisjointSets, best_fit_rotation};
+use crate::math::DisjointSets;
 use crate::mesh::Renumbering;
-use glam::{DMat3, DQuat, DVec3};
+use glam::DVec3;
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use rayon::prelude::*;
 
@@ -18,12 +19,6 @@ const MARGIN: f64 = 0.2;
 const MARGIN_STEPS: f64 = 8.0;
 /// and in so many while that is less than [`MARGIN`].
 const MOST_MARGIN_STEPS: f64 = 32.0;
-
-/// The same for boxes of a body around itself, which hold as long as its shape changes but little: rebuilding them costs
-/// most of the search in soft bodies, candidates on the far side of thin ones the rest.
-const OWN_MARGIN: f64 = 0.3;
-/// The same once it has cracked: cuts call for new boxes anyway.
-const CRACKED_MARGIN: f64 = 0.3;
 
 /// Candidates of a pair of bodies and the states of the boxes they come from.
 #[derive(Clone)]
@@ -36,9 +31,18 @@ pub(super) struct NearPair {
     stamps: [u64; 2],
 }
 
+impl NearPair {
+    /// Brings the candidates of a body with itself up to date after a cut or a move of some of its boxes.
+    fn follow_within(&mut self, body: &Body, own: &OwnBoxes, numbers: &Renumbering) {
+        self.close.follow_within(&mut self.candidates, (&own_features(body), &own.boxes), numbers);
+    }
+}
+
 #[derive(Clone, Default)]
 struct Entry {
     boxes: Option<SurfaceBoxes>,
+    /// How far they are fattened, m.
+    boxes_margin_m: f64,
     /// Counts the renewals; part of what a pair's candidates are valid for.
     stamp: u64,
     /// Boxes for self-collision, valid in the body's own moving frame.
@@ -50,65 +54,6 @@ struct Entry {
     /// Whether another body may come near, so that the boxes are needed.
     is_close: bool,
 }
-
-/// Boxes around a body's shape, kept while it moves on as a whole and changes its shape but little.
-#[derive(Clone)]
-struct OwnBoxes {
-    boxes: SurfaceBoxes,
-    stamp: u64,
-    orientation: DQuat,
-    /// Way that nodes may still make before the next look, m.
-    spare_m: f64,
-    time_s: f64,
-}
-
-impl OwnBoxes {
-    /// Puts boxes around the body as it is, those that were around it before if there are any.
-    fn around(body: &Body, before: Option<Self>, time_s: f64) -> Self {
-        let margin = if body.surface.has_cracked() { CRACKED_MARGIN } else { OWN_MARGIN };
-        let margin_m = margin * body.mean_size_m;
-        let stamp = before.as_ref().map_or(0, |own| own.stamp + 1);
-        let boxes = put_around(body, before.map(|own| own.boxes), margin_m);
-        let spare_m = OWN_SHARE * margin_m;
-        Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m, time_s }
-    }
-
-    /// Whether the shape may have changed by more than the boxes allow since they were built.
-    fn is_outrun(&mut self, body: &Body, time_s: f64) -> bool {
-        // Half of it for speeding up.
-        self.spare_m -= 2.0 * body.inner_speed_m_s() * (time_s - self.time_s);
-        self.time_s = time_s;
-        if self.spare_m > 0.0 {
-            return false;
-        }
-        self.spare_m = OWN_SHARE * self.boxes.margin_m() - self.change_m(body);
-        self.spare_m < 0.0
-    }
-
-    /// Largest change of shape, seen in the frame that fits it best, m.
-    fn change_m(&mut self, body: &Body) -> f64 {
-        let nodes = || body.surface.nodes.iter().map(|n| *n as usize);
-        let built = self.boxes.built_at_m();
-        let count = body.surface.nodes.len().max(1) as f64;
-        let centre_then: DVec3 = nodes().map(|n| built[n]).sum::<DVec3>() / count;
-        let centre_now: DVec3 = nodes().map(|n| body.position_m[n]).sum::<DVec3>() / count;
-        let mut moment = DMat3::ZERO;
-        for n in nodes() {
-            let (now, then) = (body.position_m[n] - centre_now, built[n] - centre_then);
-            moment += DMat3::from_cols(now * then.x, now * then.y, now * then.z);
-        }
-        self.orientation = best_fit_rotation(&moment, self.orientation);
-        let turn = DMat3::from_quat(self.orientation);
-        let change2 = nodes().map(|n| {
-            let moved = centre_now + turn * (built[n] - centre_then);
-            (body.position_m[n] - moved).length_squared()
-        });
-        change2.fold(0.0, f64::max).sqrt()
-    }
-}
-
-/// Change of shape, as a share of the margin, up to which the boxes of a body around itself hold.
-const OWN_SHARE: f64 = 0.4;
 
 /// Boxes of all bodies and candidates of near pairs.
 #[derive(Clone, Default)]
@@ -163,8 +108,7 @@ impl BroadPhase {
             }
             if first == second {
                 let Some(own) = &entries[cut].own else { return false };
-                let features = own_features(&bodies[cut]);
-                pair.close.follow_within(&mut pair.candidates, (&features, &own.boxes), numbers);
+                pair.follow_within(&bodies[cut], own, numbers);
                 return true;
             }
             let [Some(a), Some(b)] = pair.bodies.map(|body| entries[body].boxes.as_ref()) else {
@@ -198,9 +142,9 @@ impl BroadPhase {
             if entry.is_close {
                 entry.renew(body, step_s);
             }
-            if self.self_collision && body.regime == Regime::Elastic {
-                entry.renew_own(body, time_s);
-            }
+        }
+        if self.self_collision {
+            self.renew_own(bodies, (time_s, step_s));
         }
         let mut old = std::mem::take(&mut self.pairs).into_iter().peekable();
         for first in 0..bodies.len() {
@@ -214,6 +158,17 @@ impl BroadPhase {
                     self.pairs.push(pair);
                 }
             }
+        }
+    }
+
+    /// Renews what is out of date of the elastic bodies' boxes around themselves, and looks again at what was near those that
+    /// have been moved.
+    fn renew_own(&mut self, bodies: &[Body], moment: (f64, f64)) {
+        for (index, body) in bodies.iter().enumerate().filter(|(_, body)| body.regime == Regime::Elastic) {
+            let entry = &mut self.entries[index];
+            let (Some(numbers), Some(own)) = (entry.renew_own(body, moment), &entry.own) else { continue };
+            let of_body = self.pairs.iter_mut().filter(|pair| pair.bodies == [index; 2]);
+            of_body.for_each(|pair| pair.follow_within(body, own, &numbers));
         }
     }
 
@@ -277,8 +232,8 @@ impl BroadPhase {
         entries
             .filter(|(_, body)| !matches!(body.regime, Regime::Fixed | Regime::Asleep))
             .map(|(entry, body)| {
-                let boxes = entry.boxes.as_ref().filter(|_| entry.is_close);
-                let margin_m = boxes.map_or(entry.margin_m, |b| b.margin_m());
+                let has_boxes = entry.boxes.is_some() && entry.is_close;
+                let margin_m = if has_boxes { entry.boxes_margin_m } else { entry.margin_m };
                 0.25 * margin_m / fastest_m_s(body).max(1e-300)
             })
             .fold(f64::INFINITY, f64::min)
@@ -286,11 +241,16 @@ impl BroadPhase {
 }
 
 impl Entry {
-    fn renew_own(&mut self, body: &Body, time_s: f64) {
-        let is_valid = self.own.as_mut().is_some_and(|own| !own.is_outrun(body, time_s));
-        if !is_valid {
-            self.own = Some(OwnBoxes::around(body, self.own.take(), time_s));
+    /// Returns which nodes the boxes have followed; `None` where all or none were renewed.
+    fn renew_own(&mut self, body: &Body, (time_s, step_s): (f64, f64)) -> Option<Renumbering> {
+        if let Some(own) = &mut self.own {
+            let change = own.outrun_by(body, time_s)?;
+            if let Some(numbers) = own.move_some(body, &change, step_s) {
+                return Some(numbers);
+            }
         }
+        self.own = Some(OwnBoxes::around(body, self.own.take(), (time_s, step_s)));
+        None
     }
 
     /// Bounds of the body now; of one in free travel, whose nodes are not placed, around all its turns.
@@ -306,26 +266,23 @@ impl Entry {
     }
 
     fn renew(&mut self, body: &Body, step_s: f64) {
-        let is_valid = self.boxes.as_ref().is_some_and(|boxes| !is_outrun(boxes, body));
+        let margin_m = self.boxes_margin_m;
+        let is_valid = self.boxes.as_ref().is_some_and(|boxes| !is_outrun(boxes, margin_m, body));
         if is_valid {
             return;
         }
         let (size_m, way_m) = (MARGIN * body.mean_size_m, step_s * fastest_m_s(body));
         let ahead_m = (MOST_MARGIN_STEPS * way_m).min(size_m.max(MARGIN_STEPS * way_m));
-        self.boxes = Some(put_around(body, self.boxes.take(), size_m + ahead_m));
+        self.boxes_margin_m = size_m + ahead_m;
+        let (surface, positions_m) = (&body.surface, body.position_m.as_slice());
+        self.boxes = Some(match self.boxes.take() {
+            Some(mut boxes) => {
+                boxes.move_to(surface, positions_m, |_| self.boxes_margin_m);
+                boxes
+            }
+            None => SurfaceBoxes::around(surface, positions_m, self.boxes_margin_m),
+        });
         self.stamp += 1;
-    }
-}
-
-/// Boxes around a body where it is now.
-fn put_around(body: &Body, before: Option<SurfaceBoxes>, margin_m: f64) -> SurfaceBoxes {
-    let (surface, positions_m) = (&body.surface, body.position_m.as_slice());
-    match before {
-        Some(mut boxes) => {
-            boxes.move_to(surface, positions_m, margin_m);
-            boxes
-        }
-        None => SurfaceBoxes::around(surface, positions_m, margin_m),
     }
 }
 
@@ -339,11 +296,11 @@ fn bounds_of(body: &Body) -> Aabb {
     Aabb::new(low, high)
 }
 
-fn is_outrun(boxes: &SurfaceBoxes, body: &Body) -> bool {
+fn is_outrun(boxes: &SurfaceBoxes, margin_m: f64, body: &Body) -> bool {
     if body.regime == Regime::Fixed {
         return false;
     }
-    let limit = (0.5 * boxes.margin_m()).powi(2);
+    let limit = (0.5 * margin_m).powi(2);
     let built = boxes.built_at_m();
     body.surface.nodes.iter().any(|n| {
         let n = *n as usize;

@@ -283,7 +283,7 @@ fn still_closing(
     let predicted = scene.table_with(&closing, |id, v| corrected.predicted_of(id).unwrap_or(v));
     for (row, c) in closing.iter_mut().enumerate() {
         let before_m_s = -predicted.relative_velocity(row, &c.weights).dot(c.normal);
-        c.may_bounce = c.closing_m_s > 0.5 * before_m_s;
+        c.may_bounce &= c.closing_m_s > 0.5 * before_m_s;
     }
     closing
 }

@@ -133,17 +133,23 @@ impl Body {
     /// Largest speed of a surface node as seen from a frame that moves and turns along, m/s: nodes come nearer to each other
     /// at twice that at most, since what is rigid in a motion brings nothing nearer to anything.
     pub fn inner_speed_m_s(&self) -> f64 {
-        let (centre, velocity, spin) = self.rigid_velocity();
-        let seen = |n: &u32| {
-            let n = *n as usize;
-            self.velocity_m_s[n] - velocity - spin.cross(self.position_m[n] - centre)
-        };
+        let velocity_m_s = self.inner_velocity_m_s();
+        let seen = |n: &u32| velocity_m_s(*n);
         let bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let nodes = self.surface.nodes.iter();
         let (low, high) = nodes.clone().map(seen).fold(bounds, |(l, h), v| (l.min(v), h.max(v)));
         // The mean of a body of which a part was struck lies near the part that was not.
         let middle = 0.5 * (low + high);
         nodes.map(|n| (seen(n) - middle).length_squared()).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Velocity of a node as seen from a frame that moves and turns along, m/s.
+    pub fn inner_velocity_m_s(&self) -> impl Fn(u32) -> DVec3 {
+        let (centre, velocity, spin) = self.rigid_velocity();
+        move |node| {
+            let n = node as usize;
+            self.velocity_m_s[n] - velocity - spin.cross(self.position_m[n] - centre)
+        }
     }
 
     /// Centre, velocity and spin of the rigid motion with the same momenta; zero for held bodies.

@@ -16,6 +16,7 @@ mod contact_change;
 mod contact_log;
 mod elastic;
 mod follow;
+mod own_boxes;
 mod publish;
 mod pull;
 mod release;
