@@ -50,14 +50,9 @@ pub fn run(args: &VerifyArgs, common: &CommonArgs, console: &Console) -> Result<
     interrupt::listen()?;
     let started = Instant::now();
     let is_table = !(args.json || args.markdown);
-    let reports =
-        measure(
-            &cases,
-            args.quick,
-            |report| {
-                if is_table { console.result(report::table(report)) } else { Ok(()) }
-            },
-        )?;
+    let reports = measure(&cases, (args.quick, console), |report| {
+        if is_table { console.result(report::table(report)) } else { Ok(()) }
+    })?;
     if args.json {
         console.result(format_args!("{:#}", report::to_json(&reports, args.quick)))?;
     } else if args.markdown {
@@ -118,10 +113,11 @@ fn chosen(args: &VerifyArgs) -> Result<Vec<&'static Case>, Failure> {
 /// Measures the cases side by side and hands each report to `each` in their order, as soon as it is its turn.
 fn measure(
     cases: &[&'static Case],
-    quick: bool,
+    (quick, console): (bool, &Console),
     mut each: impl FnMut(&CaseReport) -> Result<(), Failure>,
 ) -> Result<Vec<CaseReport>, Failure> {
-    let effort = Effort { quick, stop: &interrupt::requested };
+    let tell = |line: &str| console.note(line);
+    let effort = Effort { quick, stop: &interrupt::requested, tell: &tell };
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
         scope.spawn(move || {

@@ -32,19 +32,24 @@ impl From<SceneError> for CaseError {
     }
 }
 
-/// How much a case may do, and when it has to stop.
+/// How much a case may do, when it has to stop, and whom it tells how far it has come.
 #[derive(Clone, Copy)]
 pub struct Effort<'a> {
     /// Smaller meshes and fewer of them.
     pub quick: bool,
     /// Asked before every step; true ends the case with [`CaseError::Stopped`].
     pub stop: &'a (dyn Fn() -> bool + Sync),
+    /// Told what a long case has done so far, a line at a time.
+    pub tell: &'a (dyn Fn(&str) + Sync),
 }
 
 /// Steps in a row that may leave time standing.
 const STANDING_STEPS: u32 = 1000;
 
 impl Effort<'_> {
+    /// A small one that nobody listens to or stops.
+    pub const QUICK: Effort<'static> = Effort { quick: true, stop: &|| false, tell: &|_| () };
+
     /// Steps a world to `end_s` and calls `each` after every step.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use hammerfall::verify::cases::rods::{
 };
 
 fn collision(cells: [[u32; 3]; 2], kinematics: Kinematics, cfl: f64) -> Collision {
-    let effort = Effort { quick: true, stop: &|| false };
+    let effort = Effort::QUICK;
     collide(&effort, setup(cells, kinematics, cfl).unwrap()).unwrap()
 }
 

@@ -5,8 +5,6 @@ use hammerfall::verify::{CASES, Effort, Outcome, Turn, find};
 /// What is known to fall short, by case and the beginning of its name; README says why.
 const KNOWN: &[(&str, &str)] = &[];
 
-const QUICK: Effort = Effort { quick: true, stop: &|| false };
-
 fn shortfalls(case: &str, outcome: &Outcome) -> Vec<String> {
     let is_known = |name: &str| KNOWN.iter().any(|(id, start)| *id == case && name.starts_with(start));
     let short = outcome.quantities.iter().filter(|quantity| !quantity.passes() && !is_known(&quantity.name));
@@ -21,7 +19,7 @@ fn shortfalls(case: &str, outcome: &Outcome) -> Vec<String> {
 fn no_quick_case_falls_short() {
     let mut short = Vec::new();
     for case in CASES.iter().filter(|case| case.turn == Turn::Quick) {
-        let outcome = case.run(&QUICK).unwrap_or_else(|error| panic!("{}: {error}", case.id));
+        let outcome = case.run(&Effort::QUICK).unwrap_or_else(|error| panic!("{}: {error}", case.id));
         assert!(!outcome.quantities.is_empty(), "{} measures nothing", case.id);
         for quantity in &outcome.quantities {
             assert!(!quantity.source.is_empty(), "{}: {} has no source", case.id, quantity.name);
@@ -34,7 +32,7 @@ fn no_quick_case_falls_short() {
 #[test]
 fn a_scene_runs_through_at_any_criterion() {
     let case = find("sweep-bar-torn").expect("it is in the list");
-    let outcome = case.run(&QUICK).unwrap_or_else(|error| panic!("{error}"));
+    let outcome = case.run(&Effort::QUICK).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(outcome.quantities.iter().filter(|q| q.name.ends_with("fragments")).count(), 5);
     let short = shortfalls(case.id, &outcome);
     assert!(short.is_empty(), "\n{}", short.join("\n"));
@@ -42,7 +40,7 @@ fn a_scene_runs_through_at_any_criterion() {
 
 #[test]
 fn who_wants_an_end_gets_it() {
-    let stopped = Effort { quick: true, stop: &|| true };
+    let stopped = Effort { stop: &|| true, ..Effort::QUICK };
     for case in CASES.iter().filter(|case| !["patch", "criteria"].contains(&case.id)) {
         assert!(case.run(&stopped).is_err_and(|error| error.to_string() == "stopped"), "{}", case.id);
     }

@@ -71,6 +71,12 @@ impl Run<'_> {
         }
         let run = format!("{} x {}", self.criterion, self.factor);
         let fragments = world.sample().fragments as f64;
+        (effort.tell)(&format!(
+            "{}, {run}: {} of {duration_s} s, {fragments} pieces after {} steps",
+            self.scene,
+            world.time_s(),
+            world.steps()
+        ));
         let mut all = vec![
             Quantity::relative(
                 format!("{run}: time reached / duration"),
