@@ -50,7 +50,7 @@ fn check_scene(file: &str, common: &CommonArgs, console: &Console) -> Result<(),
     let scene = Scene::load(file, &common.overrides).map_err(|error| Failure::BadInput(error.to_string()))?;
     warn(&scene, console);
     let world = World::new(scene.setup.clone())?;
-    let summary = SceneSummary::of(&scene, &world);
+    let summary = SceneSummary::of(&scene, &world)?;
     console.result(summary.to_string().trim_end())?;
     if let Some(cost) = trial(&scene.setup, summary.duration_s) {
         let threads = match rayon::current_num_threads() {

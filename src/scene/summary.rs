@@ -1,7 +1,7 @@
 //! What a scene would cost, before it is run.
 
 use super::Scene;
-use crate::sim::World;
+use crate::sim::{BodySetup, Change, SimError, World, WorldSetup};
 use std::fmt;
 
 /// Size and cost of a scene.
@@ -11,7 +11,7 @@ pub struct SceneSummary {
     pub title: String,
     /// How much time is simulated, s.
     pub duration_s: f64,
-    /// The bodies.
+    /// The bodies, those that come in later last.
     pub bodies: Vec<BodySummary>,
     /// What reading mesh files had to say: (body, note).
     pub notes: Vec<(String, String)>,
@@ -32,18 +32,29 @@ pub struct BodySummary {
     pub step_s: f64,
     /// Mass that mass scaling added for that step, kg.
     pub added_mass_kg: f64,
+    /// When it comes in, s; `None` when it is there from the start.
+    pub enters_s: Option<f64>,
 }
 
 impl SceneSummary {
     /// The summary of a scene and the world built from it.
-    #[must_use]
-    pub fn of(scene: &Scene, world: &World) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// [`SimError::Setup`] when a body that comes in later is unsound.
+    pub fn of(scene: &Scene, world: &World) -> Result<Self, SimError> {
+        let mut bodies: Vec<_> = (0..world.body_count()).map(|index| summary_of(world, index)).collect();
+        for planned in &scene.setup.changes {
+            if let Change::Enter(entrance) = &planned.change {
+                let alone = World::new(alone(&scene.setup, &entrance.body))?;
+                bodies.push(BodySummary { enters_s: Some(planned.time_s), ..summary_of(&alone, 0) });
+            }
+        }
+        Ok(Self {
             title: scene.description.title.clone(),
             duration_s: scene.description.duration_s,
-            bodies: (0..world.body_count()).map(|index| summary_of(world, index)).collect(),
+            bodies,
             notes: scene.notes.clone(),
-        }
+        })
     }
 
     /// Tetrahedra of all bodies.
@@ -73,6 +84,20 @@ impl SceneSummary {
     }
 }
 
+/// A world with nothing but one body, which has nobody to rub against.
+fn alone(setup: &WorldSetup, body: &BodySetup) -> WorldSetup {
+    let mut contact = setup.contact.clone();
+    contact.pair_friction.clear();
+    WorldSetup {
+        bodies: vec![body.clone()],
+        changes: Vec::new(),
+        contact,
+        time: setup.time.clone(),
+        fracture: setup.fracture.clone(),
+        gravity_m_s2: setup.gravity_m_s2,
+    }
+}
+
 fn summary_of(world: &World, index: usize) -> BodySummary {
     let time = &world.setup().time;
     let step_s = time.cfl * world.stable_step_s(index);
@@ -84,6 +109,7 @@ fn summary_of(world: &World, index: usize) -> BodySummary {
         mass_kg: world.mass_kg(index) - added_mass_kg,
         step_s: if step_s.is_finite() { step_s.min(time.max_step_s) } else { step_s },
         added_mass_kg,
+        enters_s: None,
     }
 }
 
@@ -123,6 +149,9 @@ impl fmt::Display for BodySummary {
             let percent = 100.0 * self.added_mass_kg / self.mass_kg;
             write!(f, ", mass scaling adds {percent:.2} % of it")?;
         }
+        if let Some(enters_s) = self.enters_s {
+            write!(f, ", comes in at {enters_s} s")?;
+        }
         Ok(())
     }
 }
@@ -140,6 +169,18 @@ fn thousands(count: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn who_comes_in_later_is_counted_and_told() {
+        let scene = Scene::load("hammer-table", &["bodies.hammer.enters=0.125".to_owned()]).unwrap();
+        let world = World::new(scene.setup.clone()).unwrap();
+        let summary = SceneSummary::of(&scene, &world).unwrap();
+        let whole = Scene::load("hammer-table", &[]).unwrap();
+        let of_whole = SceneSummary::of(&whole, &World::new(whole.setup.clone()).unwrap()).unwrap();
+        assert_eq!(world.body_count() + 1, summary.bodies.len());
+        assert_eq!((summary.elements(), summary.step_s()), (of_whole.elements(), of_whole.step_s()));
+        assert!(summary.to_string().contains(", comes in at 0.125 s"), "{summary}");
+    }
 
     #[test]
     fn counts_are_grouped() {

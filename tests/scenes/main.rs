@@ -70,5 +70,5 @@ fn assert_problems(text: &str, overrides: &[&str], expected: &[&str]) {
 }
 
 fn summary_of(scene: &Scene) -> SceneSummary {
-    SceneSummary::of(scene, &World::new(scene.setup.clone()).unwrap())
+    SceneSummary::of(scene, &World::new(scene.setup.clone()).unwrap()).unwrap()
 }
