@@ -102,6 +102,7 @@ impl ImpactStores {
     #[must_use]
     pub fn of(constraints: &[Constraint], left: f64) -> Self {
         let filled = constraints.iter().filter(|c| c.stored.is_filled());
+        debug_assert!(filled.clone().all(|c| !c.is_own()), "within a body nothing is stored");
         let mut stores: Vec<KeptStore> = filled
             .map(|c| KeptStore {
                 key: key_of(c),
