@@ -66,6 +66,19 @@ impl SurfaceBoxes {
         found
     }
 
+    /// Boxes around the surface where it is now, fattened by node: the ones that there are already, moved, or new ones.
+    #[must_use]
+    pub fn moved_or_new(
+        before: Option<Self>,
+        surface: &ContactSurface,
+        positions_m: &[DVec3],
+        margin_m: impl Fn(u32) -> f64,
+    ) -> Self {
+        let mut boxes = before.unwrap_or_else(|| Self::around(surface, positions_m, 0.0));
+        boxes.move_to(surface, positions_m, margin_m);
+        boxes
+    }
+
     /// The same boxes around the surface where it is by now, fattened by node. The hierarchy stays: neighbours are neighbours
     /// still.
     pub fn move_to(

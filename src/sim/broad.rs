@@ -275,13 +275,8 @@ impl Entry {
         let ahead_m = (MOST_MARGIN_STEPS * way_m).min(size_m.max(MARGIN_STEPS * way_m));
         self.boxes_margin_m = size_m + ahead_m;
         let (surface, positions_m) = (&body.surface, body.position_m.as_slice());
-        self.boxes = Some(match self.boxes.take() {
-            Some(mut boxes) => {
-                boxes.move_to(surface, positions_m, |_| self.boxes_margin_m);
-                boxes
-            }
-            None => SurfaceBoxes::around(surface, positions_m, self.boxes_margin_m),
-        });
+        let margin_m = self.boxes_margin_m;
+        self.boxes = Some(SurfaceBoxes::moved_or_new(self.boxes.take(), surface, positions_m, |_| margin_m));
         self.stamp += 1;
     }
 }

@@ -41,23 +41,21 @@ impl OwnBoxes {
     pub fn around(body: &Body, before: Option<Self>, (time_s, step_s): (f64, f64)) -> Self {
         let (surface, positions_m) = (&body.surface, &body.position_m);
         let stamp = before.as_ref().map_or(0, |own| own.stamp + 1);
-        let boxes = match before {
-            Some(mut own) => {
-                own.boxes.move_to(surface, positions_m, margins_m(body, step_s));
-                own.boxes
-            }
-            None => SurfaceBoxes::around(surface, positions_m, margin_m(body)),
-        };
+        let before = before.map(|own| own.boxes);
+        let boxes = SurfaceBoxes::moved_or_new(before, surface, positions_m, margins_m(body, step_s));
         Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m: SHARE * margin_m(body), time_s }
     }
 
     /// How the shape has changed when that may be more than the boxes allow, at `time_s`; `None` while they hold.
     pub fn outrun_by(&mut self, body: &Body, time_s: f64) -> Option<ChangeOfShape> {
-        // Half of it for speeding up. In a body that bursts nodes are too different for one measure.
-        self.spare_m -= 2.0 * body.inner_speed_m_s() * (time_s - self.time_s);
-        self.time_s = time_s;
-        if self.spare_m > 0.0 && !body.surface.has_cracked() {
-            return None;
+        // In a body that bursts nodes are too different for one measure.
+        if !body.surface.has_cracked() {
+            // Half of it for speeding up.
+            self.spare_m -= 2.0 * body.inner_speed_m_s() * (time_s - self.time_s);
+            self.time_s = time_s;
+            if self.spare_m > 0.0 {
+                return None;
+            }
         }
         let change = self.change(body);
         let spare = 1.0 - change.largest_share();
