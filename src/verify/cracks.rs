@@ -29,8 +29,8 @@ pub(super) struct Cracks {
 
 /// The largest set of crack faces that hang together over their corners.
 pub(super) struct Band {
-    /// Its best-fit plane's unit normal.
-    pub normal: DVec3,
+    /// Its second moment of area about its middle, m4.
+    moment_m4: DMat3,
     /// Its smallest and largest coordinates, m.
     pub bounds_m: [DVec3; 2],
 }
@@ -49,9 +49,6 @@ impl Cracks {
     }
 
     /// The largest crack; `None` without any.
-    ///
-    /// The plane through it has the least mean square distance over its area: second moments of the triangles, not of
-    /// their centres alone.
     pub fn largest(&self) -> Option<Band> {
         let set = self.largest_set();
         if set.is_empty() {
@@ -70,7 +67,7 @@ impl Cracks {
         let corners = || set.iter().flat_map(|t| t.corners_m);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
         let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
-        Some(Band { normal: symmetric_eigen(&moment).directions.z_axis, bounds_m: [low, high] })
+        Some(Band { moment_m4: moment, bounds_m: [low, high] })
     }
 
     /// Both sides of a crack, and the copies of a node that it has parted, have the same reference positions to the bit.
@@ -89,6 +86,24 @@ impl Cracks {
         }
         let area = |set: &Vec<&CrackTriangle>| set.iter().map(|t| t.area_m2).sum::<f64>();
         of_root.into_values().max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or_default()
+    }
+}
+
+impl Band {
+    /// Unit normal of the plane with the least mean square distance from the crack's area: by second moments of the
+    /// triangles, not of their centres alone.
+    pub fn normal(&self) -> DVec3 {
+        symmetric_eigen(&self.moment_m4).directions.z_axis
+    }
+
+    /// The same among the planes along `held`, a unit vector: in plane strain all cracks go through the slab, and a band of
+    /// many of them may be thicker than the slab is deep.
+    pub fn normal_across(&self, held: DVec3) -> DVec3 {
+        let across = DMat3::IDENTITY - outer_product(held, held);
+        let trace_m4 =
+            self.moment_m4.to_cols_array_2d().iter().enumerate().map(|(i, column)| column[i]).sum::<f64>();
+        let seen_m4 = across * self.moment_m4 * across + outer_product(held, held) * trace_m4;
+        symmetric_eigen(&seen_m4).directions.z_axis
     }
 }
 
@@ -121,9 +136,26 @@ mod tests {
             ],
         ]);
         let band = cracks.largest().unwrap();
-        assert!((steepness_deg(band.normal) - 60.0).abs() < 1e-9);
+        assert!((steepness_deg(band.normal()) - 60.0).abs() < 1e-9);
         assert!((band.bounds_m[1] - DVec3::new(0.5, 1.0, up.z)).length() < 1e-12);
         assert!((cracks.mean_steepness_deg() - 60.0 / 2.2).abs() < 1e-9);
         assert!(super::Cracks { triangles: vec![] }.largest().is_none());
+    }
+
+    #[test]
+    fn a_band_that_is_thicker_than_its_slab_is_deep_still_has_its_steepness() {
+        // Rungs at 50 degrees in a slab that is 0.1 deep, one beside the other over 0.5, and cracks across that join them.
+        let (along, beside) = (DVec3::new(0.643, 0.0, -0.766), DVec3::new(0.766, 0.0, 0.643));
+        let strip = |from: DVec3, to: DVec3| {
+            let depth = DVec3::Y * 0.1;
+            [[from, to, to + depth], [from, to + depth, from + depth]]
+        };
+        let rungs = (0..6).map(|i| beside * (0.1 * f64::from(i)));
+        let mut triangles: Vec<_> = rungs.clone().flat_map(|at| strip(at, at + along)).collect();
+        triangles.extend(rungs.take(5).flat_map(|at| strip(at, at + beside * 0.1)));
+        let band = cracks(&triangles).largest().unwrap();
+        assert!(band.normal().dot(DVec3::Y).abs() > 0.99, "{}", band.normal());
+        let found_deg = steepness_deg(band.normal_across(DVec3::Y));
+        assert!((found_deg - 50.0).abs() < 3.0, "{found_deg}");
     }
 }
