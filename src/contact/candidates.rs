@@ -20,13 +20,39 @@ pub struct Candidates {
     pub node_on_first: Vec<(u32, u32)>,
     /// Edges of the first and of the second body, ascending; for a body with itself the smaller number first.
     pub edge_pairs: Vec<(u32, u32)>,
-    /// Of a body with itself: the twins that speak for an entry of `node_on_second` while they are together, or
-    /// [`NO_TWINS`].
-    pub(super) node_twins: Vec<u32>,
+    /// Of a body with itself: what is known of twins.
+    pub(super) twins: EntryTwins,
+}
+
+/// What cracks have to do with the entries of candidates of a body with itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct EntryTwins {
+    /// The twins that speak for an entry of `node_on_second` while they are together, or [`NO_TWINS`].
+    pub of_nodes: Vec<u32>,
     /// The same for `edge_pairs`, at up to two ends.
-    pub(super) edge_twins: Vec<[u32; 2]>,
-    /// Of a body with itself: whether a crack parted the node and the triangle of an entry of `node_on_second`.
-    pub(super) were_one: Vec<bool>,
+    pub of_edges: Vec<[u32; 2]>,
+    /// Whether a crack parted the node and the triangle of an entry of `node_on_second`.
+    pub were_one: Vec<bool>,
+}
+
+impl EntryTwins {
+    pub fn of(candidates: &Candidates, surface: &ContactSurface) -> Self {
+        let twin =
+            |node: u32, others: &[u32]| others.iter().find_map(|other| surface.twins.pair(node, *other));
+        let at_node = |(node, triangle): &(u32, u32)| {
+            twin(*node, &surface.triangles[*triangle as usize]).unwrap_or(NO_TWINS)
+        };
+        let at_ends = |(first, second): &(u32, u32)| {
+            let [p, q] = [first, second].map(|edge| surface.edges[*edge as usize].nodes);
+            p.map(|node| twin(node, &q).unwrap_or(NO_TWINS))
+        };
+        let were_one = |(node, triangle): &(u32, u32)| surface.were_one(*node, *triangle);
+        Self {
+            of_nodes: in_parts::map(&candidates.node_on_second, PAIRS_AT_ONCE, at_node),
+            were_one: in_parts::map(&candidates.node_on_second, PAIRS_AT_ONCE, were_one),
+            of_edges: in_parts::map(&candidates.edge_pairs, PAIRS_AT_ONCE, at_ends),
+        }
+    }
 }
 
 fn state_of(twins: u32, states: &[TwinState]) -> TwinState {
@@ -48,41 +74,22 @@ impl Candidates {
         self.node_on_second.clear();
         self.node_on_first.clear();
         self.edge_pairs.clear();
-        self.were_one.clear();
+        self.twins.were_one.clear();
     }
 
     /// Whether twins leave it to an entry of `node_on_second` itself to tell contact.
     pub(super) fn is_left_by_twins(&self, entry: usize, states: &[TwinState]) -> bool {
-        match self.node_twins.get(entry).map_or(TwinState::Apart, |twins| state_of(*twins, states)) {
+        match self.twins.of_nodes.get(entry).map_or(TwinState::Apart, |twins| state_of(*twins, states)) {
             TwinState::Together => false,
-            TwinState::Open => !self.were_one[entry],
+            TwinState::Open => !self.twins.were_one[entry],
             TwinState::Apart => true,
         }
     }
 
     /// Whether twins leave it to an entry of `edge_pairs` itself to tell contact.
     pub(super) fn edges_are_left_by_twins(&self, entry: usize, states: &[TwinState]) -> bool {
-        let mut ends = self.edge_twins.get(entry).into_iter().flatten();
+        let mut ends = self.twins.of_edges.get(entry).into_iter().flatten();
         ends.all(|twins| state_of(*twins, states) != TwinState::Together)
-    }
-
-    /// The same candidates of a body with itself, with what is known of the twins of each entry.
-    #[must_use]
-    pub(super) fn with_twins(mut self, surface: &ContactSurface) -> Self {
-        let twin =
-            |node: u32, others: &[u32]| others.iter().find_map(|other| surface.twins.pair(node, *other));
-        let at_node = |(node, triangle): &(u32, u32)| {
-            twin(*node, &surface.triangles[*triangle as usize]).unwrap_or(NO_TWINS)
-        };
-        let at_ends = |(first, second): &(u32, u32)| {
-            let [p, q] = [first, second].map(|edge| surface.edges[*edge as usize].nodes);
-            p.map(|node| twin(node, &q).unwrap_or(NO_TWINS))
-        };
-        let were_one = |(node, triangle): &(u32, u32)| surface.were_one(*node, *triangle);
-        self.node_twins = in_parts::map(&self.node_on_second, PAIRS_AT_ONCE, at_node);
-        self.were_one = in_parts::map(&self.node_on_second, PAIRS_AT_ONCE, were_one);
-        self.edge_twins = in_parts::map(&self.edge_pairs, PAIRS_AT_ONCE, at_ends);
-        self
     }
 }
 
@@ -119,15 +126,31 @@ pub(super) fn between_triangles(
 /// Candidates of a body with itself.
 #[must_use]
 pub fn within(own: &OwnFeatures, boxes: &SurfaceBoxes) -> Candidates {
-    within_triangles(own, boxes, &boxes.own_pairs()).with_twins(own.surface)
+    let search = OwnSearch::new(own, boxes);
+    let mut found = found_in_parts(&boxes.own_pairs(), PAIRS_AT_ONCE, |pairs| search.of_pairs(pairs));
+    found.twins = EntryTwins::of(&found, own.surface);
+    found
 }
 
-/// The same, of pairs of triangles, and without what is known of twins.
-pub(super) fn within_triangles(own: &OwnFeatures, boxes: &SurfaceBoxes, pairs: &[(u32, u32)]) -> Candidates {
-    let surface = own.surface;
-    let is_at_crack = |nodes: &[u32; 3]| nodes.iter().any(|node| surface.is_at_crack(*node));
-    let is_cracked: Vec<bool> = surface.triangles.iter().map(is_at_crack).collect();
-    let of_pairs = |pairs: &[(u32, u32)]| {
+/// Looks for candidates of a body with itself.
+pub(super) struct OwnSearch<'a> {
+    own: &'a OwnFeatures<'a>,
+    boxes: &'a SurfaceBoxes,
+    /// By triangle: whether a crack ends at one of its nodes.
+    is_cracked: Vec<bool>,
+}
+
+impl<'a> OwnSearch<'a> {
+    pub(super) fn new(own: &'a OwnFeatures<'a>, boxes: &'a SurfaceBoxes) -> Self {
+        let surface = own.surface;
+        let is_at_crack = |nodes: &[u32; 3]| nodes.iter().any(|node| surface.is_at_crack(*node));
+        Self { own, boxes, is_cracked: surface.triangles.iter().map(is_at_crack).collect() }
+    }
+
+    /// Candidates of pairs of triangles, in any order and without what is known of twins.
+    pub(super) fn of_pairs(&self, pairs: &[(u32, u32)]) -> Candidates {
+        let Self { own, boxes, is_cracked } = self;
+        let surface = own.surface;
         let mut found = Candidates::default();
         for (t1, t2) in pairs.iter().copied() {
             let is_whole = !is_cracked[t1 as usize] && !is_cracked[t2 as usize];
@@ -150,19 +173,26 @@ pub(super) fn within_triangles(own: &OwnFeatures, boxes: &SurfaceBoxes, pairs: &
             p.iter().all(|n| !q.contains(n)) && own.edges_may_touch(e1, e2)
         });
         found
-    };
-    let parts: Vec<Candidates> = if pairs.len() <= PAIRS_AT_ONCE {
-        vec![of_pairs(pairs)]
+    }
+}
+
+/// What `of_part` finds for parts of a list, all together and sorted. A thread takes `part` items at a time.
+pub(super) fn found_in_parts<T: Sync>(
+    items: &[T],
+    part: usize,
+    of_part: impl Fn(&[T]) -> Candidates + Sync,
+) -> Candidates {
+    let parts: Vec<Candidates> = if items.len() <= part {
+        vec![of_part(items)]
     } else {
-        pairs.par_chunks(PAIRS_AT_ONCE).map(of_pairs).collect()
+        items.par_chunks(part).map(&of_part).collect()
     };
     let mut found = Candidates::default();
     for part in parts {
         found.node_on_second.extend(part.node_on_second);
         found.edge_pairs.extend(part.edge_pairs);
     }
-    found.node_on_second.par_sort_unstable();
-    found.edge_pairs.par_sort_unstable();
+    rayon::join(|| found.node_on_second.par_sort_unstable(), || found.edge_pairs.par_sort_unstable());
     found
 }
 

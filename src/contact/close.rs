@@ -4,7 +4,7 @@
 //! looked at and found out of reach sleeps until the clusters of its features (see `ways.rs`) have moved by as much as it lacks.
 
 use super::boxes::SurfaceBoxes;
-use super::candidates::{Boxed, Candidates};
+use super::candidates::{Boxed, Candidates, EntryTwins};
 use super::detect::{NEAR, PairDepths, PairView};
 use super::follow::Origins;
 use super::geometry::{barycentric, closest_on_lines, distance_of_segments};
@@ -89,8 +89,8 @@ impl CloseList {
         numbers: [Option<&Renumbering>; 2],
     ) {
         let (now, origins) = all.follow_between(first, second, numbers);
+        self.follow(&now, ([first.0, second.0], positions_m, false), &origins);
         *all = now;
-        self.follow(all, ([first.0, second.0], positions_m, false), &origins);
     }
 
     /// Follows a cut of a body that is near itself; `all` are the candidates before it, and are brought up to date.
@@ -101,8 +101,10 @@ impl CloseList {
         numbers: &Renumbering,
     ) {
         let (now, origins) = all.follow_within(own, boxes, numbers);
-        *all = now;
-        self.follow(all, ([own.surface; 2], [own.positions_m; 2], true), &origins);
+        let of_body = ([own.surface; 2], [own.positions_m; 2], true);
+        let twins = || EntryTwins::of(&now, own.surface);
+        let (twins, ()) = rayon::join(twins, || self.follow(&now, of_body, &origins));
+        *all = Candidates { twins, ..now };
     }
 
     fn follow(
@@ -160,12 +162,12 @@ impl CloseList {
             let (first, second) = all.edge_pairs[place];
             (edge_flies(0, first) || edge_flies(1, second)) && all.edges_are_left_by_twins(place, states)
         });
+        let were_one = on_second.iter().filter_map(|place| all.twins.were_one.get(*place).copied());
         Candidates {
             node_on_second: on_second.iter().map(|place| all.node_on_second[*place]).collect(),
             node_on_first: on_first.iter().map(|place| all.node_on_first[*place]).collect(),
             edge_pairs: edges.iter().map(|place| all.edge_pairs[*place]).collect(),
-            were_one: on_second.iter().filter_map(|place| all.were_one.get(*place).copied()).collect(),
-            ..Candidates::default()
+            twins: EntryTwins { were_one: were_one.collect(), ..EntryTwins::default() },
         }
     }
 
@@ -251,7 +253,7 @@ impl Look<'_> {
         };
         for place in self.close_places(&mut wake.node_on_second_m, &ways.of_node_on_second, of_node) {
             close.node_on_second.push(all.node_on_second[place as usize]);
-            close.were_one.extend(all.were_one.get(place as usize));
+            close.twins.were_one.extend(all.twins.were_one.get(place as usize));
         }
         let of_node = |place: usize, wake_m: &mut f64, reach: &Reach| {
             reach.finds_close(wake_m, || node_clearance_m(self.pair, 1, all.node_on_first[place]))

@@ -1,7 +1,7 @@
 //! Following cuts: candidates of what was not affected stay, under their present numbers; around the cut they are searched.
 
 use super::boxes::SurfaceBoxes;
-use super::candidates::{Boxed, Candidates, between_triangles, within_triangles};
+use super::candidates::{Boxed, Candidates, OwnSearch, between_triangles, found_in_parts};
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use crate::mesh::Renumbering;
@@ -33,7 +33,7 @@ impl Candidates {
         self.with_new(found.only_affected([first.0, second.0], numbers), numbers, false)
     }
 
-    /// These of a body with itself after it was cut; its boxes have followed.
+    /// These of a body with itself after it was cut, without what is known of twins; its boxes have followed.
     pub(super) fn follow_within(
         &self,
         own: &OwnFeatures,
@@ -43,11 +43,13 @@ impl Candidates {
         let affected = numbers.affected_triangles();
         let is_first = |t: u32, u: u32| u > t || (u < t && affected.binary_search(&u).is_err());
         let near = |t: u32| boxes.overlapping(*boxes.of_triangle(t)).filter(move |u| is_first(t, *u));
-        let pairs: Vec<(u32, u32)> = affected.iter().flat_map(|t| near(*t).map(|u| (*t, u))).collect();
-        let numbers = [Some(numbers); 2];
-        let found = within_triangles(own, boxes, &pairs).only_affected([own.surface; 2], numbers);
-        let (all, origins) = self.with_new(found, numbers, true);
-        (all.with_twins(own.surface), origins)
+        let search = OwnSearch::new(own, boxes);
+        let of_both = [Some(numbers); 2];
+        let found = found_in_parts(affected, AFFECTED_AT_ONCE, |part| {
+            let pairs: Vec<(u32, u32)> = part.iter().flat_map(|t| near(*t).map(|u| (*t, u))).collect();
+            search.of_pairs(&pairs).only_affected([own.surface; 2], of_both)
+        });
+        self.with_new(found, of_both, true)
     }
 
     /// Those of which a feature is affected.
@@ -78,18 +80,23 @@ impl Candidates {
         let nodes = |old: &[(u32, u32)], new: Vec<(u32, u32)>, own: usize| {
             merged(kept(old, |(n, t)| Some((node(own, n)?, triangle(1 - own, t)?))), new)
         };
-        let (node_on_second, from_second) = nodes(&self.node_on_second, new.node_on_second, 0);
-        let (node_on_first, from_first) = nodes(&self.node_on_first, new.node_on_first, 1);
-        let edges = kept(&self.edge_pairs, |(e, f)| {
+        let edges = |(e, f)| {
             let (e, f) = (edge(0, e)?, edge(1, f)?);
             Some(if is_own { (e.min(f), e.max(f)) } else { (e, f) })
-        });
-        let (edge_pairs, from_edges) = merged(edges, new.edge_pairs);
+        };
+        let ((node_on_second, from_second), (edge_pairs, from_edges)) = rayon::join(
+            || nodes(&self.node_on_second, new.node_on_second, 0),
+            || merged(kept(&self.edge_pairs, edges), new.edge_pairs),
+        );
+        let (node_on_first, from_first) = nodes(&self.node_on_first, new.node_on_first, 1);
         let origins =
             Origins { node_on_second: from_second, node_on_first: from_first, edge_pairs: from_edges };
         (Self { node_on_second, node_on_first, edge_pairs, ..Self::default() }, origins)
     }
 }
+
+/// Affected triangles around which one task looks.
+const AFFECTED_AT_ONCE: usize = 128;
 
 /// The entries that stay, with their old places.
 fn kept(

@@ -69,7 +69,10 @@ impl Near {
         let of_edges =
             |_, c: &(u32, u32)| near_edges(pair, *c, way_m + thrown.slack_m(0, &ends(0, c.0), &ends(1, c.1)));
         Self {
-            nodes: [near_nodes(0, &c.node_on_second, &c.were_one), near_nodes(1, &c.node_on_first, &[])],
+            nodes: [
+                near_nodes(0, &c.node_on_second, &c.twins.were_one),
+                near_nodes(1, &c.node_on_first, &[]),
+            ],
             edges: in_parts::filter_map(&c.edge_pairs, NEAR_AT_ONCE, of_edges),
             twins: near_twins(pair, twin_states, way_m + thrown.most_m()),
         }

@@ -3,9 +3,10 @@
 
 use super::SimError;
 use super::body::{Body, PrescribedNode};
+use super::breaking::Breaking;
 use super::elastic::StepContext;
 use crate::contact::{ContactSurface, CrackSide};
-use crate::fem::{CutBody, ElementChanges, StepBound};
+use crate::fem::{CutBody, ElementChanges, FemError, StepBound};
 use crate::fracture::{Changes, Face, NodeBirth, Solid};
 use crate::math::inertia_of_point_kg_m2;
 use crate::mesh::{Renumbering, Surface};
@@ -25,8 +26,8 @@ impl Body {
         context: &StepContext,
         changes: &Changes,
     ) -> Result<Renumbering, SimError> {
-        self.follow_elements(changes)?;
-        let numbers = self.follow_surface();
+        self.follow_nodes(changes);
+        let numbers = self.follow_elements_and_surface(changes)?;
         self.follow_supports(changes);
         self.follow_loads(changes);
         self.follow_grips(changes);
@@ -36,13 +37,15 @@ impl Body {
         Ok(numbers)
     }
 
-    fn follow_elements(&mut self, changes: &Changes) -> Result<(), SimError> {
+    /// Takes over the nodes, their masses and the corners of the elements.
+    fn follow_nodes(&mut self, changes: &Changes) {
         let (Some(breaking), Some(elasticity)) = (&mut self.breaking, &mut self.elasticity) else {
-            return Ok(());
+            return;
         };
-        let solid = &breaking.solid;
         let elements = &mut elasticity.elements;
-        let bound = breaking.step_bound.get_or_insert_with(|| StepBound::new(elements, &self.mass_kg));
+        // From the masses before the cut.
+        breaking.step_bound.get_or_insert_with(|| StepBound::new(elements, &self.mass_kg));
+        let solid = &breaking.solid;
         self.reference_m.extend_from_slice(&solid.reference_m()[self.reference_m.len()..]);
         for &element in &changes.changed_elements {
             self.tets[element as usize] = solid.tets()[element as usize];
@@ -58,37 +61,43 @@ impl Body {
             self.reference.inertia_kg_m2 += inertia_of_point_kg_m2(change_kg, self.arms_m[node as usize]);
             *mass_kg += change_kg;
         }
-        let cut_from: Vec<u32> = changes.new_elements.iter().map(|new| new.cut_from).collect();
-        let of_elements = ElementChanges { changed: &changes.changed_elements, cut_from: &cut_from };
-        elements
-            .follow(&self.reference_m, &self.tets, of_elements)
-            .map_err(|e| SimError::Setup(format!("body `{}` after fracture: {e}", self.name)))?;
-        let mut body = CutBody {
-            elements,
-            reference_m: &self.reference_m,
-            node_masses_kg: &self.mass_kg,
-            elements_at: |node| solid.elements_at(node),
-        };
-        bound.follow(&mut body, &changes.touched_nodes, of_elements);
-        elasticity.critical_step_s = bound.step_s();
-        Ok(())
     }
 
-    fn follow_surface(&mut self) -> Renumbering {
-        let Some(breaking) = &self.breaking else { return Renumbering::default() };
-        let solid = &breaking.solid;
-        let now = Surface::of_neighbours(&self.tets, |tet, face| behind(solid, tet, face));
-        let before = std::mem::replace(&mut self.boundary, now);
-        let (boundary, reference_m) = (&self.boundary, &self.reference_m);
-        let surface = || {
-            let sides = crack_sides(solid, boundary);
-            ContactSurface::new(boundary, reference_m).with_cracks(sides, reference_m)
+    fn follow_elements_and_surface(&mut self, changes: &Changes) -> Result<Renumbering, SimError> {
+        let (Some(Breaking { solid, step_bound: Some(bound), .. }), Some(elasticity)) =
+            (&mut self.breaking, &mut self.elasticity)
+        else {
+            return Ok(Renumbering::default());
         };
-        let numbers = || Renumbering::between(&before, boundary, reference_m.len());
-        let (surface, numbers) = rayon::join(surface, numbers);
-        self.surface = surface;
-        self.mean_size_m = self.surface.mean_size_m();
-        numbers
+        let (solid, tets, reference_m) = (&*solid, &self.tets, &self.reference_m);
+        let elements = &mut elasticity.elements;
+        let cut_from: Vec<u32> = changes.new_elements.iter().map(|new| new.cut_from).collect();
+        let of_elements = ElementChanges { changed: &changes.changed_elements, cut_from: &cut_from };
+        let follow_elements = || {
+            elements.follow(reference_m, tets, of_elements)?;
+            let node_masses_kg = &self.mass_kg;
+            let elements_at = |node| solid.elements_at(node);
+            let mut body = CutBody { elements, reference_m, node_masses_kg, elements_at };
+            bound.follow(&mut body, &changes.touched_nodes, of_elements);
+            Ok(bound.step_s())
+        };
+        let before = &self.boundary;
+        let follow_surface = || {
+            let boundary = Surface::of_neighbours(tets, |tet, face| behind(solid, tet, face));
+            let surface = || {
+                let sides = crack_sides(solid, &boundary);
+                ContactSurface::new(&boundary, reference_m).with_cracks(sides, reference_m)
+            };
+            let numbers = || Renumbering::between(before, &boundary, reference_m.len());
+            let (surface, numbers) = rayon::join(surface, numbers);
+            (boundary, surface, numbers)
+        };
+        let (step_s, (boundary, surface, numbers)) = rayon::join(follow_elements, follow_surface);
+        let unsound = |e: FemError| SimError::Setup(format!("body `{}` after fracture: {e}", self.name));
+        elasticity.critical_step_s = step_s.map_err(unsound)?;
+        self.mean_size_m = surface.mean_size_m();
+        (self.boundary, self.surface) = (boundary, surface);
+        Ok(numbers)
     }
 
     /// New nodes are held as their parents are: twins as the node they were one with, nodes on an edge as far as both of
