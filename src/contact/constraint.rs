@@ -28,6 +28,29 @@ pub enum Feature {
     },
 }
 
+impl Feature {
+    /// See [`Constraint::weight_shifts_per_m`]: for nodes at `points_m` and the unit normal of their geometry.
+    #[must_use]
+    pub fn weight_shifts_per_m(&self, points_m: [DVec3; 4], normal: DVec3) -> [DVec3; 4] {
+        let [p0, p1, q0, q1] = points_m;
+        match self {
+            Self::NodeOnPatch { .. } => {
+                let (ab, ac) = (q0 - p1, q1 - p1);
+                let area_normal = ab.cross(ac);
+                let area2 = area_normal.length_squared();
+                let (grad1, grad2) = (ac.cross(area_normal) / area2, area_normal.cross(ab) / area2);
+                [DVec3::ZERO, -(grad1 + grad2), grad1, grad2]
+            }
+            Self::EdgeOnEdge { .. } => {
+                let (e1, e2) = (p1 - p0, q1 - q0);
+                let (d1, d2) = (e2.cross(normal), normal.cross(e1));
+                let (d1, d2) = (d1 / d1.dot(e1), d2 / d2.dot(e2));
+                [-d1, d1, -d2, d2]
+            }
+        }
+    }
+}
+
 /// Cosine of the angle between the normals of two pairs up to which they may be one contact, a step apart or side by side.
 pub(super) const SAME_SIDE: f64 = 0.8;
 
@@ -64,6 +87,8 @@ pub struct Constraint {
     pub target_m_s: f64,
     /// Impulse on the first body, N s (the response's result).
     pub impulse_n_s: DVec3,
+    /// Whether the impulse solves the pair as long as no other acts on its nodes that did not when it was found.
+    pub is_settled: bool,
 }
 
 /// Geometry of a constraint before it is known what to do with it.
@@ -71,8 +96,6 @@ pub struct Constraint {
 pub struct Geometry {
     /// See [`Constraint::weights`].
     pub weights: [f64; 4],
-    /// See [`Constraint::weight_shifts_per_m`].
-    pub weight_shifts_per_m: [DVec3; 4],
     /// See [`Constraint::normal`].
     pub normal: DVec3,
     /// See [`Constraint::gap_m`].
@@ -89,13 +112,7 @@ impl Geometry {
         let area2 = area_normal.length_squared();
         let [t0, t1, t2] = barycentric(node_m, patch_m)?;
         let normal = area_normal / area2.sqrt();
-        let (grad1, grad2) = (ac.cross(area_normal) / area2, area_normal.cross(ab) / area2);
-        Some(Self {
-            weights: [1.0, -t0, -t1, -t2],
-            weight_shifts_per_m: [DVec3::ZERO, -(grad1 + grad2), grad1, grad2],
-            normal,
-            gap_m: (node_m - a).dot(normal),
-        })
+        Some(Self { weights: [1.0, -t0, -t1, -t2], normal, gap_m: (node_m - a).dot(normal) })
     }
 
     /// An edge against an edge; `outward` tells the side: it points from the second body to the first.
@@ -106,11 +123,8 @@ impl Geometry {
         let (e1, e2) = (p[1] - p[0], q[1] - q[0]);
         let cross = e1.cross(e2).normalize();
         let normal = if cross.dot(outward) < 0.0 { -cross } else { cross };
-        let (d1, d2) = (e2.cross(normal), normal.cross(e1));
-        let (d1, d2) = (d1 / d1.dot(e1), d2 / d2.dot(e2));
         Some(Self {
             weights: [1.0 - s, s, -(1.0 - t), -t],
-            weight_shifts_per_m: [-d1, d1, -d2, d2],
             normal,
             gap_m: (p[0].lerp(p[1], s) - q[0].lerp(q[1], t)).dot(normal),
         })
@@ -162,13 +176,13 @@ mod tests {
     use super::*;
 
     /// `sum w_i x_i` must be parallel to the impulse, for both kinds and any friction.
-    fn moment_arm(g: &Geometry, points: [DVec3; 4], impulse: DVec3) -> DVec3 {
+    fn moment_arm(feature: Feature, g: &Geometry, points: [DVec3; 4], impulse: DVec3) -> DVec3 {
         let c = Constraint {
             bodies: [0, 1],
-            feature: Feature::NodeOnPatch { node: 0, triangle: 0 },
+            feature,
             nodes: [(0, 0); 4],
             weights: g.weights,
-            weight_shifts_per_m: g.weight_shifts_per_m,
+            weight_shifts_per_m: feature.weight_shifts_per_m(points, g.normal),
             normal: g.normal,
             gap_m: g.gap_m,
             place_m: DVec3::ZERO,
@@ -178,6 +192,7 @@ mod tests {
             may_bounce: true,
             stored: ImpactStore::default(),
             target_m_s: 0.0,
+            is_settled: false,
             impulse_n_s: impulse,
         };
         let w = c.moment_free_weights();
@@ -191,7 +206,12 @@ mod tests {
         let node = DVec3::new(0.3, 0.4, 0.5);
         let g = Geometry::node_on_patch(node, patch).unwrap();
         let impulse = g.normal * 2.0 + g.normal.any_orthonormal_vector() * 0.7;
-        let moment = moment_arm(&g, [node, patch[0], patch[1], patch[2]], impulse);
+        let moment = moment_arm(
+            Feature::NodeOnPatch { node: 0, triangle: 0 },
+            &g,
+            [node, patch[0], patch[1], patch[2]],
+            impulse,
+        );
         assert!(moment.length() < 1e-14, "{moment}");
         assert!(g.gap_m > 0.3);
     }
@@ -203,7 +223,8 @@ mod tests {
         let g = Geometry::edge_on_edge(p, q, DVec3::Z).unwrap();
         assert!(g.gap_m > 0.5 && g.normal.z > 0.9);
         let impulse = g.normal + g.normal.any_orthonormal_vector() * 0.4;
-        let moment = moment_arm(&g, [p[0], p[1], q[0], q[1]], impulse);
+        let moment =
+            moment_arm(Feature::EdgeOnEdge { first: 0, second: 0 }, &g, [p[0], p[1], q[0], q[1]], impulse);
         assert!(moment.length() < 1e-14, "{moment}");
     }
 }

@@ -149,17 +149,17 @@ impl NearPair {
 
     fn constraint(&self, bodies: [u32; 2], views: &[BodyView; 2], pair: &PairView) -> Constraint {
         let g = &self.geometry;
-        let at = |k: usize| views[self.nodes[k].0 as usize].positions_m[self.nodes[k].1 as usize];
+        let points_m = self.nodes.map(|(side, n)| views[side as usize].positions_m[n as usize]);
         let place_m = match self.feature {
-            Feature::NodeOnPatch { .. } => at(0),
-            Feature::EdgeOnEdge { .. } => at(0) * g.weights[0] + at(1) * g.weights[1],
+            Feature::NodeOnPatch { .. } => points_m[0],
+            Feature::EdgeOnEdge { .. } => points_m[0] * g.weights[0] + points_m[1] * g.weights[1],
         };
         Constraint {
             bodies,
             feature: self.feature,
             nodes: self.nodes,
             weights: g.weights,
-            weight_shifts_per_m: g.weight_shifts_per_m,
+            weight_shifts_per_m: self.feature.weight_shifts_per_m(points_m, g.normal),
             normal: g.normal,
             gap_m: g.gap_m,
             place_m,
@@ -169,6 +169,7 @@ impl NearPair {
             may_bounce: bodies[0] != bodies[1],
             stored: ImpactStore::default(),
             target_m_s: 0.0,
+            is_settled: false,
             impulse_n_s: DVec3::ZERO,
         }
     }

@@ -242,12 +242,14 @@ mod tests {
     fn pair(node: u32, x: f64, energy_j: f64) -> Constraint {
         let place_m = DVec3::new(x, 0.3, 0.0);
         let g = Geometry::node_on_patch(place_m, [DVec3::ZERO, DVec3::X, DVec3::Y]).unwrap();
+        let feature = Feature::NodeOnPatch { node, triangle: 0 };
         Constraint {
             bodies: [0, 1],
-            feature: Feature::NodeOnPatch { node, triangle: 0 },
+            feature,
             nodes: [(0, node), (1, 0), (1, 1), (1, 2)],
             weights: g.weights,
-            weight_shifts_per_m: g.weight_shifts_per_m,
+            weight_shifts_per_m: feature
+                .weight_shifts_per_m([place_m, DVec3::ZERO, DVec3::X, DVec3::Y], g.normal),
             normal: g.normal,
             gap_m: 0.0,
             place_m,
@@ -257,6 +259,7 @@ mod tests {
             may_bounce: true,
             stored: ImpactStore { energy_j, speed_m_s: energy_j.sqrt() },
             target_m_s: 0.0,
+            is_settled: false,
             impulse_n_s: DVec3::ZERO,
         }
     }

@@ -216,6 +216,8 @@ pub(super) struct PairRow {
     /// Relative normal velocity that the pair yields for an impulse, 1/kg.
     pub yield_per_kg: f64,
     friction_coefficient: f64,
+    /// Whether the impulse is right unless another pair of the group's is not.
+    pub is_settled: bool,
     /// Normal impulse from which friction is taken at most, N s.
     most_normal_n_s: f64,
     gap_m: f64,
@@ -239,6 +241,8 @@ impl PairRow {
             tangent_block_per_kg: block.max_element(),
             yield_per_kg: if is_own { OWN_YIELD * normal_block_per_kg } else { 0.0 },
             friction_coefficient: c.friction_coefficient,
+            // What impacts have stored changes hands between bodies wherever a pair is added.
+            is_settled: c.is_settled && is_own,
             most_normal_n_s: if is_own { c.impulse_n_s.dot(c.normal).max(0.0) } else { f64::INFINITY },
             gap_m: c.gap_m,
             size_m: c.size_m,

@@ -99,7 +99,8 @@ pub fn sort_by_place(constraints: &mut [Constraint]) {
 
 /// Solves the constraints: sets their impulses, what they have stored, and the velocities in the table.
 ///
-/// `passes.rs` says how the passes go; the impulses that the constraints carry are their first guess.
+/// `passes.rs` says how the passes go; the impulses that the constraints carry are their first guess, or the solution
+/// where all of a group within a body are settled.
 pub fn solve(
     constraints: &mut [Constraint],
     table: &mut NodeTable,
@@ -109,9 +110,14 @@ pub fn solve(
         constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
     let stored_before_j = stored_j(constraints);
     let mut settling = solve_by_group(&mut rows, &mut table.nodes, |rows, nodes| {
+        if rows.iter().all(|row| row.is_settled) {
+            rows.iter().for_each(|row| row.at.apply(nodes, row.impulse_n_s));
+            return Settling::default();
+        }
         start(rows, nodes);
         settle(rows, nodes, (p, MOST_PASSES))
     });
+    constraints.iter_mut().for_each(|c| c.is_settled = true);
     write_impulses(&rows, constraints);
     if let Some(blow) =
         p.conserve_impact_energy.then(|| deal_blows(&mut rows, constraints, table, p)).flatten()
@@ -162,7 +168,14 @@ fn deal_blows(
     let before_m_s: Vec<DVec3> = table.nodes.iter().map(|node| node.velocity_m_s).collect();
     let impulses: Vec<DVec3> = rows.iter().map(|row| row.impulse_n_s).collect();
     // A blow is cut to its energy anyway: the usual passes are enough.
-    let settling = solve_by_group(rows, &mut table.nodes, |rows, nodes| settle(rows, nodes, (p, p.passes)));
+    let mut is_aimed = vec![false; constraints.len()];
+    aimed.iter().for_each(|i| is_aimed[*i] = true);
+    let settling = solve_by_group(rows, &mut table.nodes, |rows, nodes| {
+        if !rows.iter().any(|row| is_aimed[row.index]) {
+            return Settling::default();
+        }
+        settle(rows, nodes, (p, p.passes))
+    });
     let spent_j = aimed.iter().map(|i| constraints[*i].stored.energy_j).sum();
     let (mut work_j, mut square_j) = (0.0, 0.0);
     let predicted_m_s = table.predicted_m_s();
@@ -310,12 +323,13 @@ mod tests {
         let patch = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let node = DVec3::new(0.3, 0.3, gap_m);
         let g = Geometry::node_on_patch(node, patch).unwrap();
+        let feature = Feature::NodeOnPatch { node: 0, triangle: 0 };
         vec![Constraint {
             bodies: [0, 1],
-            feature: Feature::NodeOnPatch { node: 0, triangle: 0 },
+            feature,
             nodes: [(0, 0), (1, 0), (1, 1), (1, 2)],
             weights: g.weights,
-            weight_shifts_per_m: g.weight_shifts_per_m,
+            weight_shifts_per_m: feature.weight_shifts_per_m([node, patch[0], patch[1], patch[2]], g.normal),
             normal: g.normal,
             gap_m: g.gap_m,
             place_m: node,
@@ -325,6 +339,7 @@ mod tests {
             may_bounce: true,
             stored: ImpactStore::default(),
             target_m_s: 0.0,
+            is_settled: false,
             impulse_n_s: DVec3::ZERO,
         }]
     }
@@ -408,6 +423,45 @@ mod tests {
         let tangential = sliding[0].impulse_n_s.truncate().length();
         assert!((tangential - 0.5 * sliding[0].impulse_n_s.z).abs() < 1e-14);
         assert!(report.dissipated_j > 0.0);
+    }
+
+    #[test]
+    fn a_settled_group_stays_and_one_that_a_pair_joins_is_solved_anew() {
+        let own = |first_node: u32, gap_m: f64| {
+            let mut c = pair(gap_m, 0.3).remove(0);
+            c.bodies = [0, 0];
+            c.nodes = std::array::from_fn(|i| (0, first_node + i as u32));
+            c.feature = Feature::NodeOnPatch { node: first_node, triangle: first_node };
+            c
+        };
+        let table_of = |c: &[Constraint]| {
+            NodeTable::new(c, |id| {
+                let falls = if id.1 % 4 == 0 { DVec3::new(0.3, 0.0, -2.0) } else { DVec3::ZERO };
+                ContactNode::new(id, [falls; 2], DVec3::splat(0.5))
+            })
+        };
+        let solve_all = |c: &mut Vec<Constraint>| {
+            let mut table = table_of(c);
+            set_targets(c, &table, &parameters(true));
+            let report = solve(c, &mut table, &parameters(true));
+            (table, report)
+        };
+        let mut c = vec![own(0, 0.0), own(4, 0.0)];
+        solve_all(&mut c);
+        let alone = c.clone();
+        // Another node comes down on the second patch, harder.
+        let mut added = own(8, -1e-5);
+        added.nodes = [(0, 8), (0, 5), (0, 6), (0, 7)];
+        c.push(added);
+        let (table, report) = solve_all(&mut c);
+        assert_eq!(c[0].impulse_n_s, alone[0].impulse_n_s);
+        assert_ne!(c[1].impulse_n_s, alone[1].impulse_n_s);
+        assert!(report.settling.passes > 1);
+        for (row, c) in c.iter().enumerate() {
+            let opening_m_s = table.relative_velocity(row, &c.weights).dot(c.normal);
+            let yields_m_s = 0.01 * c.impulse_n_s.length();
+            assert!((opening_m_s - c.target_m_s).abs() < yields_m_s, "{row}: {opening_m_s}");
+        }
     }
 
     #[test]

@@ -6,7 +6,8 @@ use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
 use crate::contact::nodes::{ContactNode, NodeTable};
 use crate::contact::response::{
-    ResponseParameters, ResponseReport, apply_penalty, penalty_energy_j, set_targets, solve, sort_by_place,
+    ResponseParameters, ResponseReport, Settling, apply_penalty, penalty_energy_j, set_targets, solve,
+    sort_by_place,
 };
 use crate::contact::{BodyView, CollisionList, Constraint, Near, PairDepths, PairView, ThrownNodes};
 use glam::DVec3;
@@ -242,13 +243,15 @@ fn solve_all(
 ) -> (ResponseReport, Vec<Constraint>) {
     let mut active = scene.without_redundant(found);
     scene.list.recall_impulses(&mut active);
-    let mut round = 0;
+    let (mut round, mut settling) = (0, Settling::default());
     loop {
         sort_by_place(&mut active);
         scene.list.stores().hand_over(&mut active);
         let mut table = scene.table(&active);
         set_targets(&mut active, &table, parameters);
-        let report = solve(&mut active, &mut table, parameters);
+        let mut report = solve(&mut active, &mut table, parameters);
+        settling.include(&report.settling);
+        report.settling = settling;
         write_back(scene.bodies, &table);
         round += 1;
         if round >= MOST_ROUNDS {
