@@ -69,6 +69,11 @@ impl Candidates {
         self.node_on_second.is_empty() && self.node_on_first.is_empty() && self.edge_pairs.is_empty()
     }
 
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.node_on_second.len() + self.node_on_first.len() + self.edge_pairs.len()
+    }
+
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.node_on_second.clear();

@@ -152,16 +152,21 @@ impl CloseList {
             })
         };
         let (wake, ways) = (&self.wake, &self.ways);
-        let on_second = near_of(&wake.node_on_second_m, &ways.of_node_on_second, &|place| {
-            node_flies(0, all.node_on_second[place]) && all.is_left_by_twins(place, states)
-        });
+        let on_second = || {
+            near_of(&wake.node_on_second_m, &ways.of_node_on_second, &|place| {
+                node_flies(0, all.node_on_second[place]) && all.is_left_by_twins(place, states)
+            })
+        };
         let on_first = near_of(&wake.node_on_first_m, &ways.of_node_on_first, &|place| {
             node_flies(1, all.node_on_first[place])
         });
-        let edges = near_of(&wake.edge_pairs_m, &ways.of_edge_pair, &|place| {
-            let (first, second) = all.edge_pairs[place];
-            (edge_flies(0, first) || edge_flies(1, second)) && all.edges_are_left_by_twins(place, states)
-        });
+        let edges = || {
+            near_of(&wake.edge_pairs_m, &ways.of_edge_pair, &|place| {
+                let (first, second) = all.edge_pairs[place];
+                (edge_flies(0, first) || edge_flies(1, second)) && all.edges_are_left_by_twins(place, states)
+            })
+        };
+        let (on_second, edges) = in_parts::both(all.count(), on_second, edges);
         let were_one = on_second.iter().filter_map(|place| all.twins.were_one.get(*place).copied());
         Candidates {
             node_on_second: on_second.iter().map(|place| all.node_on_second[*place]).collect(),
@@ -192,14 +197,17 @@ impl CloseList {
     /// `slack_m`. `all` are the candidates of the search, always the same for one list.
     pub fn renew(&mut self, pair: &PairView, all: &Candidates, slack_m: f64) {
         let positions_m = pair.views.map(|view| view.positions_m);
-        if self.ways.fit(all) {
-            self.ways.look(positions_m);
-        } else {
-            self.ways = Ways::of(all, pair.views.map(|view| view.surface), positions_m, pair.is_own());
-        }
-        self.ways.look_ahead(pair.views.map(|view| view.velocities_m_s), pair.step_s);
+        let ways = &mut self.ways;
+        let look = || {
+            if ways.fit(all) {
+                ways.look(positions_m);
+            } else {
+                *ways = Ways::of(all, pair.views.map(|view| view.surface), positions_m, pair.is_own());
+            }
+            ways.look_ahead(pair.views.map(|view| view.velocities_m_s), pair.step_s);
+        };
+        ((), self.twin_states) = in_parts::both(all.count(), look, || pair.twin_states(slack_m));
         self.way_m = self.ways.most_ahead_m();
-        self.twin_states = pair.twin_states(slack_m);
         self.wake.fit(all);
         let reach = |(before_m, ahead_m)| Reach { before_m, reach_m: SPEED_UP * ahead_m + slack_m };
         let look = Look {
@@ -251,21 +259,25 @@ impl Look<'_> {
             all.is_left_by_twins(place, states)
                 && reach.finds_close(wake_m, || node_clearance_m(self.pair, 0, all.node_on_second[place]))
         };
-        for place in self.close_places(&mut wake.node_on_second_m, &ways.of_node_on_second, of_node) {
+        let of_edges = |place: usize, wake_m: &mut f64, reach: &Reach| {
+            all.edges_are_left_by_twins(place, states)
+                && reach.finds_close(wake_m, || edge_clearance_m(self.pair, all.edge_pairs[place]))
+        };
+        let (places, edges) = in_parts::both(
+            all.count(),
+            || self.close_places(&mut wake.node_on_second_m, &ways.of_node_on_second, of_node),
+            || self.close_places(&mut wake.edge_pairs_m, &ways.of_edge_pair, of_edges),
+        );
+        for place in places {
             close.node_on_second.push(all.node_on_second[place as usize]);
             close.twins.were_one.extend(all.twins.were_one.get(place as usize));
         }
+        close.edge_pairs.extend(edges.into_iter().map(|place| all.edge_pairs[place as usize]));
         let of_node = |place: usize, wake_m: &mut f64, reach: &Reach| {
             reach.finds_close(wake_m, || node_clearance_m(self.pair, 1, all.node_on_first[place]))
         };
         let places = self.close_places(&mut wake.node_on_first_m, &ways.of_node_on_first, of_node);
         close.node_on_first.extend(places.into_iter().map(|place| all.node_on_first[place as usize]));
-        let of_edges = |place: usize, wake_m: &mut f64, reach: &Reach| {
-            all.edges_are_left_by_twins(place, states)
-                && reach.finds_close(wake_m, || edge_clearance_m(self.pair, all.edge_pairs[place]))
-        };
-        let places = self.close_places(&mut wake.edge_pairs_m, &ways.of_edge_pair, of_edges);
-        close.edge_pairs.extend(places.into_iter().map(|place| all.edge_pairs[place as usize]));
     }
 
     /// Places of the candidates of one kind, of which some sleep and the rest `is_close` judges.

@@ -25,3 +25,15 @@ pub(super) fn filter_map<T: Sync, R: Send>(
 pub(super) fn map<T: Sync, R: Send>(items: &[T], part: usize, f: impl Fn(&T) -> R + Sync) -> Vec<R> {
     filter_map(items, part, |_, item| Some(f(item)))
 }
+
+/// Items of both together from which two things are worth doing side by side.
+const WORTH_TWO: usize = 2048;
+
+/// Does two things that look through so many items together: side by side where that is worth it.
+pub(super) fn both<A: Send, B: Send>(
+    items: usize,
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if items < WORTH_TWO { (first(), second()) } else { rayon::join(first, second) }
+}

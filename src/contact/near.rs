@@ -68,23 +68,29 @@ impl Near {
         let ends = |side: usize, edge: u32| pair.views[side].surface.edges[edge as usize].nodes;
         let of_edges =
             |_, c: &(u32, u32)| near_edges(pair, *c, way_m + thrown.slack_m(0, &ends(0, c.0), &ends(1, c.1)));
-        Self {
-            nodes: [
-                near_nodes(0, &c.node_on_second, &c.twins.were_one),
-                near_nodes(1, &c.node_on_first, &[]),
-            ],
-            edges: in_parts::filter_map(&c.edge_pairs, NEAR_AT_ONCE, of_edges),
-            twins: near_twins(pair, twin_states, way_m + thrown.most_m()),
-        }
+        let count = c.node_on_second.len() + c.edge_pairs.len() + twin_states.len();
+        let on_second = || near_nodes(0, &c.node_on_second, &c.twins.were_one);
+        let edges = || in_parts::filter_map(&c.edge_pairs, NEAR_AT_ONCE, of_edges);
+        let twins = || near_twins(pair, twin_states, way_m + thrown.most_m());
+        let (on_second, (edges, twins)) = in_parts::both(count, on_second, || (edges(), twins()));
+        Self { nodes: [on_second, near_nodes(1, &c.node_on_first, &[])], edges, twins }
+    }
+
+    fn count(&self) -> usize {
+        self.nodes[0].len() + self.edges.len() + self.twins.len()
     }
 
     /// Appends the constraints of the pairs that touch.
     pub fn find(&self, pair: &PairView, out: &mut Vec<Constraint>) {
-        for side in 0..2 {
+        let of_side = |side: usize| {
             let node_side = NodeSide::new(pair, side);
-            out.extend(self.of_nodes(side, |of_node, found| node_side.find(of_node, found)));
-        }
-        out.extend(self.of_edges_and_twins(pair, |_| true));
+            self.of_nodes(side, |of_node, found| node_side.find(of_node, found))
+        };
+        let (first, edges) =
+            in_parts::both(self.count(), || of_side(0), || self.of_edges_and_twins(pair, |_| true));
+        out.extend(first);
+        out.extend(of_side(1));
+        out.extend(edges);
     }
 
     /// What `find` adds, node by node of a side.
@@ -126,24 +132,25 @@ impl Near {
         is_known: impl Fn(([u32; 2], Feature)) -> bool + Sync,
         out: &mut Vec<Constraint>,
     ) {
-        let mut found = Vec::new();
-        for side in 0..2 {
+        let of_side = |side: usize| {
             let node_side = NodeSide::new(pair, side);
             let is_new = |n: &NearPair| {
                 n.gap_after_m(&node_side.views, pair.step_s) < -depth * n.size_m
                     && !is_known((node_side.bodies, n.feature))
             };
-            found.extend(self.of_nodes(side, |of_node, found| {
+            self.of_nodes(side, |of_node, found| {
                 // The other patches at the node are its rivals, known or not.
                 if of_node.iter().any(is_new) {
                     node_side.find(of_node, found);
                 }
-            }));
-        }
+            })
+        };
         let closes = |n: &NearPair| n.gap_after_m(&pair.views, pair.step_s) < -depth * n.size_m;
-        found.extend(self.of_edges_and_twins(pair, closes));
+        let (first, edges) =
+            in_parts::both(self.count(), || of_side(0), || self.of_edges_and_twins(pair, closes));
+        let found = first.into_iter().chain(of_side(1)).chain(edges);
         let closes = |c: &Constraint| c.gap_m - pair.step_s * c.closing_m_s < -depth * c.size_m;
-        out.extend(found.into_iter().filter(|c| closes(c) && !is_known((c.bodies, c.feature))));
+        out.extend(found.filter(|c| closes(c) && !is_known((c.bodies, c.feature))));
     }
 }
 
