@@ -23,6 +23,8 @@ say "lints"
 cargo clippy --locked --all-targets -- -D warnings
 say "tests"
 cargo test --locked --no-fail-fast "$@"
+say "known answers"
+cargo run --locked --quiet -- verify
 say "pictures of the window"
 scripts/pictures.sh check
 say "documentation"
