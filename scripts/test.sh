@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that must hold: format, lints, tests, documentation. Continuous integration runs this.
+# Everything that must hold: format, lints, tests, known answers, documentation. Continuous integration runs this.
 # On Debian and Ubuntu it installs what is missing by itself; elsewhere it names the packages.
 # Arguments go to `cargo test`: `scripts/test.sh --lib fem` runs only those tests.
 set -euo pipefail
