@@ -24,16 +24,16 @@ pub struct SurfaceBoxes {
     /// Around all of them.
     bounds: Aabb,
     positions_m: Vec<DVec3>,
-    /// By node.
-    margins_m: Vec<f64>,
+    /// By node, along each axis.
+    margins_m: Vec<DVec3>,
 }
 
 /// A box around points, each fattened by its margin.
-fn box_around(points: impl IntoIterator<Item = (DVec3, f64)>) -> Aabb {
+fn box_around(points: impl IntoIterator<Item = (DVec3, DVec3)>) -> Aabb {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for (p, margin_m) in points {
-        low = low.min(p - DVec3::splat(margin_m));
-        high = high.max(p + DVec3::splat(margin_m));
+        low = low.min(p - margin_m);
+        high = high.max(p + margin_m);
     }
     Aabb::new(low, high)
 }
@@ -59,20 +59,20 @@ impl SurfaceBoxes {
             boxes: Vec::new(),
             bounds: Aabb::new_invalid(),
             positions_m: start_m.to_vec(),
-            margins_m: vec![margin_m; start_m.len()],
+            margins_m: vec![DVec3::splat(margin_m); start_m.len()],
         };
         found.put_around(surface, [start_m, end_m]);
         found.build_hierarchy();
         found
     }
 
-    /// Boxes around the surface where it is now, fattened by node: the ones that there are already, moved, or new ones.
+    /// Boxes around the surface where it is now, fattened by node and along each axis: the ones that there are already, moved, or new ones.
     #[must_use]
     pub fn moved_or_new(
         before: Option<Self>,
         surface: &ContactSurface,
         positions_m: &[DVec3],
-        margin_m: impl Fn(u32) -> f64,
+        margin_m: impl Fn(u32) -> DVec3,
     ) -> Self {
         let mut boxes = before.unwrap_or_else(|| Self::around(surface, positions_m, 0.0));
         boxes.move_to(surface, positions_m, margin_m);
@@ -85,7 +85,7 @@ impl SurfaceBoxes {
         &mut self,
         surface: &ContactSurface,
         positions_m: &[DVec3],
-        margin_m: impl Fn(u32) -> f64,
+        margin_m: impl Fn(u32) -> DVec3,
     ) {
         self.positions_m.clear();
         self.positions_m.extend_from_slice(positions_m);
@@ -99,7 +99,7 @@ impl SurfaceBoxes {
         &mut self,
         surface: &ContactSurface,
         numbers: &Renumbering,
-        at_m: impl Fn(u32) -> (DVec3, f64),
+        at_m: impl Fn(u32) -> (DVec3, DVec3),
     ) {
         for node in (0..self.positions_m.len()).filter(|node| numbers.is_affected(*node as u32)) {
             (self.positions_m[node], self.margins_m[node]) = at_m(node as u32);
@@ -219,15 +219,16 @@ impl SurfaceBoxes {
         pairs
     }
 
-    /// How far the box of a node is fattened, and those of its triangles there, m.
+    /// How far the box of a node is fattened along each axis, and those of its triangles there, m. The node may go anywhere within
+    /// the ellipsoid with these half axes: that far along a unit normal `n`: `|margin * n|`.
     #[must_use]
-    pub fn margin_m(&self, node: u32) -> f64 {
+    pub fn margin_m(&self, node: u32) -> DVec3 {
         self.margins_m[node as usize]
     }
 
-    /// The largest margin of some nodes, m.
-    pub(super) fn most_margin_m(&self, nodes: &[u32]) -> f64 {
-        nodes.iter().map(|node| self.margin_m(*node)).fold(0.0, f64::max)
+    /// The largest margins of some nodes, m.
+    pub(super) fn most_margin_m(&self, nodes: &[u32]) -> DVec3 {
+        nodes.iter().map(|node| self.margin_m(*node)).fold(DVec3::ZERO, DVec3::max)
     }
 
     /// Positions at which the boxes were built, all nodes of the body, m.

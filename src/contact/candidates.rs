@@ -227,10 +227,11 @@ fn push_nodes(out: &mut Vec<(u32, u32)>, nodes_of: Speaker, patch: Speaker, is_s
     let patch_margin_m = patch_boxes.most_margin_m(&patch_surface.triangles[triangle as usize]);
     let depth_m = DEPTH * patch_surface.triangle_size_m[triangle as usize];
     // The distance from the plane bounds the one from the patch, which no motion within the margins changes by more.
+    let depth = depth_m * normal.length();
     let is_in_reach = |node: u32| {
-        let reach_m = MARGIN_USED * (boxes.margin_m(node) + patch_margin_m) + depth_m;
+        let margins_m = boxes.margin_m(node) + patch_margin_m;
         let height = (boxes.built_at_m()[node as usize] - corners[0]).dot(normal);
-        height * height <= reach_m * reach_m * normal.length_squared()
+        height.abs() <= MARGIN_USED * (margins_m * normal).length() + depth
             && overlap(&boxes.node_box(node), patch_boxes.of_triangle(triangle))
     };
     for (node, _) in nodes.into_iter().zip(owns).filter(|(_, owns)| *owns) {
@@ -266,15 +267,15 @@ fn push_edges(out: &mut Vec<(u32, u32)>, first: Speaker, second: Speaker, is_swe
 }
 
 /// Whether the boxes around two edges come as near as the margins allow.
-fn are_boxes_near(p: [DVec3; 2], q: [DVec3; 2], margins_m: f64) -> bool {
+fn are_boxes_near(p: [DVec3; 2], q: [DVec3; 2], margins_m: DVec3) -> bool {
     let between = p[0].min(p[1]).max(q[0].min(q[1])) - p[0].max(p[1]).min(q[0].max(q[1]));
-    between.max_element() <= margins_m
+    between.cmple(margins_m).all()
 }
 
 /// Whether the lines through two edges come as near as the margins allow.
-fn are_lines_near(p: [DVec3; 2], q: [DVec3; 2], margins_m: f64) -> bool {
+fn are_lines_near(p: [DVec3; 2], q: [DVec3; 2], margins_m: DVec3) -> bool {
     let (e1, e2) = (p[1] - p[0], q[1] - q[0]);
     let across = e1.cross(e2);
-    let reach_m = MARGIN_USED * margins_m + DEPTH * e1.length_squared().min(e2.length_squared()).sqrt();
-    (q[0] - p[0]).dot(across).powi(2) <= reach_m * reach_m * across.length_squared()
+    let depth_m = DEPTH * e1.length_squared().min(e2.length_squared()).sqrt();
+    (q[0] - p[0]).dot(across).abs() <= MARGIN_USED * (margins_m * across).length() + depth_m * across.length()
 }

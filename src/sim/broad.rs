@@ -276,7 +276,9 @@ impl Entry {
         self.boxes_margin_m = size_m + ahead_m;
         let (surface, positions_m) = (&body.surface, body.position_m.as_slice());
         let margin_m = self.boxes_margin_m;
-        self.boxes = Some(SurfaceBoxes::moved_or_new(self.boxes.take(), surface, positions_m, |_| margin_m));
+        self.boxes = Some(SurfaceBoxes::moved_or_new(self.boxes.take(), surface, positions_m, |_| {
+            DVec3::splat(margin_m)
+        }));
         self.stamp += 1;
     }
 }

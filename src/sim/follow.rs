@@ -305,7 +305,7 @@ mod tests {
         // What the boxes have become serves as well as new ones where the body goes.
         let swing = |x: &DVec3| *x + 0.3 * DVec3::new((2.0 * x.y).sin(), (3.0 * x.z).cos(), x.x * x.y);
         positions_m = positions_m.iter().map(swing).collect();
-        boxes.move_to(&surface, &positions_m, |_| 0.2);
+        boxes.move_to(&surface, &positions_m, |_| DVec3::splat(0.2));
         let fresh = SurfaceBoxes::around(&surface, &positions_m, 0.2);
         let own =
             OwnFeatures { surface: &surface, reference_m: solid.reference_m(), positions_m: &positions_m };
@@ -322,7 +322,8 @@ mod tests {
         let edges = surface.edges.iter().map(|edge| edge.nodes);
         let numbers =
             Renumbering::unchanged(&surface.triangles, edges, (0..positions_m.len()).map(flew).collect());
-        boxes.move_affected(&surface, &numbers, |n| (positions_m[n as usize], 0.1 + 0.1 * f64::from(n % 3)));
+        let margin_m = |n: u32| DVec3::new(0.1, 0.2, 0.3) + 0.1 * f64::from(n % 3);
+        boxes.move_affected(&surface, &numbers, |n| (positions_m[n as usize], margin_m(n)));
         let own =
             OwnFeatures { surface: &surface, reference_m: solid.reference_m(), positions_m: &positions_m };
         let before = followed.clone();

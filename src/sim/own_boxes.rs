@@ -11,7 +11,7 @@ use glam::{DMat3, DQuat, DVec3};
 const MARGIN: f64 = 0.3;
 /// The same once the body has cracked and each node's boxes move when they have to;
 const CRACKED_MARGIN: f64 = 0.15;
-/// they are then also fattened by the way that the node makes within the body in so many steps,
+/// they are then also fattened along each axis by the way that the node makes within the body in so many steps,
 const MARGIN_STEPS: f64 = 32.0;
 /// up to this share of the mean size.
 const MOST_MARGIN: f64 = 1.0;
@@ -42,7 +42,12 @@ impl OwnBoxes {
         let (surface, positions_m) = (&body.surface, &body.position_m);
         let stamp = before.as_ref().map_or(0, |own| own.stamp + 1);
         let before = before.map(|own| own.boxes);
-        let boxes = SurfaceBoxes::moved_or_new(before, surface, positions_m, margins_m(body, step_s));
+        let boxes = SurfaceBoxes::moved_or_new(
+            before,
+            surface,
+            positions_m,
+            margins_m(body, DMat3::IDENTITY, step_s),
+        );
         Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m: SHARE * margin_m(body), time_s }
     }
 
@@ -77,12 +82,13 @@ impl OwnBoxes {
         }
         self.orientation = best_fit_rotation(&moment, self.orientation);
         let turn = DMat3::from_quat(self.orientation);
+        let change = ChangeOfShape { centre_then_m, centre_now_m, turn, of_nodes: Vec::new() };
         let share = |node: u32| {
-            let moved = centre_now_m + turn * (built[node as usize] - centre_then_m);
-            (body.position_m[node as usize] - moved).length() / (SHARE * self.boxes.margin_m(node))
+            let way_m = change.taken_back(body.position_m[node as usize]) - built[node as usize];
+            (way_m / (SHARE * self.boxes.margin_m(node))).length()
         };
         let of_nodes = body.surface.nodes.iter().map(|n| (*n, share(*n))).collect();
-        ChangeOfShape { centre_then_m, centre_now_m, turn, of_nodes }
+        ChangeOfShape { of_nodes, ..change }
     }
 
     /// Moves the boxes of the nodes that have changed their places most to where they are by now. Returns which they were, or
@@ -98,7 +104,7 @@ impl OwnBoxes {
         if numbers.affected_triangles().len() > surface.triangles.len() / MOST_AFFECTED {
             return None;
         }
-        let margin_m = margins_m(body, step_s);
+        let margin_m = margins_m(body, change.turn.transpose(), step_s);
         let now = |n: u32| (change.taken_back(body.position_m[n as usize]), margin_m(n));
         self.boxes.move_affected(surface, &numbers, now);
         Some(numbers)
@@ -111,12 +117,13 @@ fn margin_m(body: &Body) -> f64 {
     margin * body.mean_size_m
 }
 
-/// By how much the boxes of each node are fattened, m.
-fn margins_m(body: &Body, step_s: f64) -> impl Fn(u32) -> f64 {
+/// By how much the boxes of each node are fattened along each axis, m. `turn` takes velocities to the frame of the boxes.
+fn margins_m(body: &Body, turn: DMat3, step_s: f64) -> impl Fn(u32) -> DVec3 {
     let (least_m, most_m) = (margin_m(body), MOST_MARGIN * body.mean_size_m);
     let ahead_s = if body.surface.has_cracked() { MARGIN_STEPS * step_s } else { 0.0 };
     let velocity_m_s = body.inner_velocity_m_s();
-    move |node| (least_m + ahead_s * velocity_m_s(node).length()).min(most_m)
+    let (least_m, most_m) = (DVec3::splat(least_m), DVec3::splat(most_m));
+    move |node| (least_m + (turn * velocity_m_s(node)).abs() * ahead_s).min(most_m)
 }
 
 /// How a body has changed its shape since boxes were put around it.
