@@ -66,7 +66,8 @@ impl SurfaceBoxes {
         found
     }
 
-    /// Boxes around the surface where it is now, fattened by node and along each axis: the ones that there are already, moved, or new ones.
+    /// Boxes around the surface where it is now, fattened by node and along each axis: the ones that there are already, moved,
+    /// or new ones.
     #[must_use]
     pub fn moved_or_new(
         before: Option<Self>,

@@ -197,7 +197,9 @@ pub(super) fn found_in_parts<T: Sync>(
         found.node_on_second.extend(part.node_on_second);
         found.edge_pairs.extend(part.edge_pairs);
     }
-    rayon::join(|| found.node_on_second.par_sort_unstable(), || found.edge_pairs.par_sort_unstable());
+    let count = found.count();
+    let Candidates { node_on_second, edge_pairs, .. } = &mut found;
+    in_parts::both(count, || node_on_second.par_sort_unstable(), || edge_pairs.par_sort_unstable());
     found
 }
 

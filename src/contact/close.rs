@@ -103,7 +103,7 @@ impl CloseList {
         let (now, origins) = all.follow_within(own, boxes, numbers);
         let of_body = ([own.surface; 2], [own.positions_m; 2], true);
         let twins = || EntryTwins::of(&now, own.surface);
-        let (twins, ()) = rayon::join(twins, || self.follow(&now, of_body, &origins));
+        let (twins, ()) = in_parts::both(now.count(), twins, || self.follow(&now, of_body, &origins));
         *all = Candidates { twins, ..now };
     }
 
@@ -116,7 +116,8 @@ impl CloseList {
         self.ways.look(positions_m);
         self.wake.count_from_now(&self.ways);
         let Self { wake, ways, .. } = self;
-        let (now, ()) = rayon::join(|| Ways::of(all, surfaces, positions_m, is_own), || wake.follow(origins));
+        let ways_of = || Ways::of(all, surfaces, positions_m, is_own);
+        let (now, ()) = in_parts::both(all.count(), ways_of, || wake.follow(origins));
         *ways = now;
     }
 

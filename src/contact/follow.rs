@@ -2,6 +2,7 @@
 
 use super::boxes::SurfaceBoxes;
 use super::candidates::{Boxed, Candidates, OwnSearch, between_triangles, found_in_parts};
+use super::in_parts;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use crate::mesh::Renumbering;
@@ -84,7 +85,8 @@ impl Candidates {
             let (e, f) = (edge(0, e)?, edge(1, f)?);
             Some(if is_own { (e.min(f), e.max(f)) } else { (e, f) })
         };
-        let ((node_on_second, from_second), (edge_pairs, from_edges)) = rayon::join(
+        let ((node_on_second, from_second), (edge_pairs, from_edges)) = in_parts::both(
+            self.count(),
             || nodes(&self.node_on_second, new.node_on_second, 0),
             || merged(kept(&self.edge_pairs, edges), new.edge_pairs),
         );

@@ -119,10 +119,9 @@ fn margin_m(body: &Body) -> f64 {
 
 /// By how much the boxes of each node are fattened along each axis, m. `turn` takes velocities to the frame of the boxes.
 fn margins_m(body: &Body, turn: DMat3, step_s: f64) -> impl Fn(u32) -> DVec3 {
-    let (least_m, most_m) = (margin_m(body), MOST_MARGIN * body.mean_size_m);
+    let [least_m, most_m] = [margin_m(body), MOST_MARGIN * body.mean_size_m].map(DVec3::splat);
     let ahead_s = if body.surface.has_cracked() { MARGIN_STEPS * step_s } else { 0.0 };
     let velocity_m_s = body.inner_velocity_m_s();
-    let (least_m, most_m) = (DVec3::splat(least_m), DVec3::splat(most_m));
     move |node| (least_m + (turn * velocity_m_s(node)).abs() * ahead_s).min(most_m)
 }
 

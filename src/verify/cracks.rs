@@ -100,8 +100,7 @@ impl Band {
     /// many of them may be thicker than the slab is deep.
     pub fn normal_across(&self, held: DVec3) -> DVec3 {
         let across = DMat3::IDENTITY - outer_product(held, held);
-        let trace_m4 =
-            self.moment_m4.to_cols_array_2d().iter().enumerate().map(|(i, column)| column[i]).sum::<f64>();
+        let trace_m4 = self.moment_m4.diagonal().element_sum();
         let seen_m4 = across * self.moment_m4 * across + outer_product(held, held) * trace_m4;
         symmetric_eigen(&seen_m4).directions.z_axis
     }

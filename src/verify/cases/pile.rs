@@ -9,6 +9,9 @@ use crate::scene::Scene;
 use crate::sim::World;
 use glam::DVec3;
 
+/// Where the expected angles of Mohr and Coulomb's planes come from.
+const PLANE_LAW: &str = "45 + phi/2 (METHOD 8, F2)";
+
 /// Mean steepness of the planes of all elements that fail up to the first crack of the shipped pile, degrees.
 fn first_planes_deg(effort: &Effort, fracture: &str) -> Result<f64, CaseError> {
     const EVERY_S: f64 = 1e-4;
@@ -73,7 +76,7 @@ pub(in crate::verify) fn measure_planes(effort: &Effort) -> Result<Outcome, Case
                 plane_deg,
                 expected_deg,
             )
-            .by("45 + phi/2 (METHOD 8, F2)")
+            .by(PLANE_LAW)
             .within(
                 3.0,
                 "friction of the press and the waves of its blow tilt principal stresses by some degrees",
@@ -153,13 +156,12 @@ pub(in crate::verify) fn measure_band(effort: &Effort) -> Result<Outcome, CaseEr
                 bands_deg.iter().sum::<f64>() / bands_deg.len() as f64,
                 expected_deg,
             )
-            .by("45 + phi/2 (METHOD 8, F2)")
+            .by(PLANE_LAW)
             .within(8.0, "a band of some elements' width that has to find its way through a mesh"),
         );
         for ([across, _, up], band_deg) in MESHES.iter().zip(bands_deg) {
             let of = format!("phi = {phi_deg}, {across} x {up} cells: band to the horizontal");
-            let source = "45 + phi/2 (METHOD 8, F2)";
-            all.push(Quantity::absolute(of, "degrees", band_deg, expected_deg).by(source));
+            all.push(Quantity::absolute(of, "degrees", band_deg, expected_deg).by(PLANE_LAW));
             found.push([phi_deg, band_deg]);
         }
         theory.push([phi_deg, expected_deg]);
