@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::{interrupt, report_pictures};
 use crate::export::{create_folder, write_whole};
 use crate::verify::report::{self, CaseReport};
-use crate::verify::{CASES, Case, CaseError, Effort, Turn, find};
+use crate::verify::{CASES, Case, CaseError, Effort, Turn, find, sweep_runs};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -22,6 +22,9 @@ pub struct VerifyArgs {
     /// Fewer and smaller cases, in less than half a minute
     #[arg(long)]
     pub quick: bool,
+    /// Of each `sweep-`, only the runs with this in their name, such as `tensile x 0.1`
+    #[arg(long, value_name = "TEXT")]
+    pub only: Option<String>,
     /// Print JSON instead of tables
     #[arg(long, conflicts_with = "markdown")]
     pub json: bool,
@@ -44,13 +47,14 @@ pub fn run(args: &VerifyArgs, common: &CommonArgs, console: &Console) -> Result<
         )));
     }
     let cases = chosen(args)?;
+    check_only(args, &cases)?;
     if let Some(folder) = &args.report {
         create_folder(folder).map_err(|error| Failure::from(error).before_the_run())?;
     }
     interrupt::listen()?;
     let started = Instant::now();
     let is_table = !(args.json || args.markdown);
-    let reports = measure(&cases, (args.quick, console), |report| {
+    let reports = measure(&cases, (args, console), |report| {
         if is_table { console.result(report::table(report)) } else { Ok(()) }
     })?;
     if args.json {
@@ -110,14 +114,33 @@ fn chosen(args: &VerifyArgs) -> Result<Vec<&'static Case>, Failure> {
     Ok(CASES.iter().filter(wanted).collect())
 }
 
+/// Whether what `--only` names is there.
+fn check_only(args: &VerifyArgs, cases: &[&Case]) -> Result<(), Failure> {
+    let Some(only) = &args.only else { return Ok(()) };
+    if cases.iter().all(|case| case.turn != Turn::Asked) {
+        return Err(Failure::BadInput(format!(
+            "`--only {only}` chooses among the runs of a case that begins with `sweep-`, and none is asked for"
+        )));
+    }
+    let runs = sweep_runs(args.quick);
+    if runs.iter().any(|run| run.contains(only)) {
+        return Ok(());
+    }
+    Err(Failure::BadInput(format!(
+        "no run has `{only}` in its name (`--only`); the runs are {}",
+        runs.join(", ")
+    )))
+}
+
 /// Measures the cases side by side and hands each report to `each` in their order, as soon as it is its turn.
 fn measure(
     cases: &[&'static Case],
-    (quick, console): (bool, &Console),
+    (args, console): (&VerifyArgs, &Console),
     mut each: impl FnMut(&CaseReport) -> Result<(), Failure>,
 ) -> Result<Vec<CaseReport>, Failure> {
     let tell = |line: &str| console.note(line);
-    let effort = Effort { quick, stop: &interrupt::requested, tell: &tell };
+    let only = args.only.as_deref();
+    let effort = Effort { quick: args.quick, only, stop: &interrupt::requested, tell: &tell };
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
         scope.spawn(move || {

@@ -134,3 +134,9 @@ pub const CASES: &[Case] = &[
 pub fn find(id: &str) -> Option<&'static Case> {
     CASES.iter().find(|case| case.id == id)
 }
+
+/// The names of the runs of each `sweep-` case, with little effort or with much.
+#[must_use]
+pub fn sweep_runs(is_quick: bool) -> Vec<String> {
+    sweep::names(is_quick)
+}

@@ -37,6 +37,8 @@ impl From<SceneError> for CaseError {
 pub struct Effort<'a> {
     /// Smaller meshes and fewer of them.
     pub quick: bool,
+    /// Of a case that is many runs, those with this in their name; all by default.
+    pub only: Option<&'a str>,
     /// Asked before every step; true ends the case with [`CaseError::Stopped`].
     pub stop: &'a (dyn Fn() -> bool + Sync),
     /// Told what a long case has done so far, a line at a time.
@@ -48,7 +50,7 @@ const STANDING_STEPS: u32 = 1000;
 
 impl Effort<'_> {
     /// A small one that nobody listens to or stops.
-    pub const QUICK: Effort<'static> = Effort { quick: true, stop: &|| false, tell: &|_| () };
+    pub const QUICK: Effort<'static> = Effort { quick: true, only: None, stop: &|| false, tell: &|_| () };
 
     /// Steps a world to `end_s` and calls `each` after every step.
     ///

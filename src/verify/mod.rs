@@ -14,7 +14,7 @@ mod quantity;
 pub mod report;
 mod specimen;
 
-pub use case::{CASES, Case, Outcome, Turn, find};
+pub use case::{CASES, Case, Outcome, Turn, find, sweep_runs};
 pub use effort::{CaseError, Effort};
 pub use plot::{Curve, Plot, Scale};
 pub use quantity::{Measure, Quantity};

@@ -31,6 +31,10 @@ fn verify_refuses_what_it_does_not_know() {
     let place = Place::new();
     let message = place.fail("verify patch wings", 2);
     assert!(message.contains("`wings`") && message.contains("cantilever"), "{message}");
+    let message = place.fail("verify patch --only tensile", 2);
+    assert!(message.contains("begins with `sweep-`"), "{message}");
+    let message = place.fail("verify sweep-bar-torn --only glass", 2);
+    assert!(message.contains("no run has `glass`") && message.contains("Tresca x 0.1"), "{message}");
     let message = place.fail("verify patch --set a=1", 2);
     assert!(message.contains("--set a=1"), "{message}");
 }

@@ -39,6 +39,17 @@ fn a_scene_runs_through_at_any_criterion() {
 }
 
 #[test]
+fn one_run_of_a_sweep_can_be_asked_for() {
+    let told = std::sync::Mutex::new(Vec::new());
+    let tell = |line: &str| told.lock().unwrap().push(line.to_owned());
+    let effort = Effort { only: Some("Tresca"), tell: &tell, ..Effort::QUICK };
+    let outcome = find("sweep-bar-torn").expect("it is in the list").run(&effort).expect("it runs");
+    assert!(outcome.quantities.iter().all(|q| q.name.starts_with("Tresca x 1:")), "{outcome:?}");
+    let told = told.into_inner().unwrap();
+    assert!(told.len() == 1 && told[0].ends_with("steps; passes"), "{told:?}");
+}
+
+#[test]
 fn who_wants_an_end_gets_it() {
     let stopped = Effort { stop: &|| true, ..Effort::QUICK };
     for case in CASES.iter().filter(|case| !["patch", "criteria"].contains(&case.id)) {

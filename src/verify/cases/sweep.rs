@@ -17,13 +17,23 @@ const FRICTION_ANGLE_RAD: f64 = std::f64::consts::FRAC_PI_6;
 
 /// Runs a built-in scene fifteen times; with little effort only at its own strengths.
 pub(in crate::verify) fn measure(effort: &Effort, scene: &str) -> Result<Outcome, CaseError> {
-    let factors = if effort.quick { &FACTORS[1..2] } else { &FACTORS };
-    let runs: Vec<Run> = factors
-        .iter()
-        .flat_map(|factor| criteria(1.0).map(|(criterion, _)| Run { scene, criterion, factor: *factor }))
+    let runs: Vec<Run> = runs(scene, effort.quick)
+        .filter(|run| effort.only.is_none_or(|only| run.name().contains(only)))
         .collect();
     let measured: Result<Vec<_>, _> = runs.par_iter().map(|run| run.measure(effort)).collect();
     Ok(measured?.concat().into())
+}
+
+/// The names of the runs.
+pub(in crate::verify) fn names(is_quick: bool) -> Vec<String> {
+    runs("", is_quick).map(|run| run.name()).collect()
+}
+
+fn runs(scene: &str, is_quick: bool) -> impl Iterator<Item = Run<'_>> {
+    let factors = if is_quick { &FACTORS[1..2] } else { &FACTORS };
+    factors
+        .iter()
+        .flat_map(move |factor| criteria(1.0).map(|(criterion, _)| Run { scene, criterion, factor: *factor }))
 }
 
 /// The five criteria at a strength.
@@ -53,6 +63,10 @@ impl Run<'_> {
         Criterion::single(strength).ok()
     }
 
+    fn name(&self) -> String {
+        format!("{} x {}", self.criterion, self.factor)
+    }
+
     fn measure(&self, effort: &Effort) -> Result<Vec<Quantity>, CaseError> {
         let mut scene = Scene::load(self.scene, &[])?;
         for material in scene.setup.bodies.iter_mut().flat_map(|body| &mut body.materials) {
@@ -69,14 +83,8 @@ impl Run<'_> {
         if let Err(CaseError::Stopped) = ran {
             return Err(CaseError::Stopped);
         }
-        let run = format!("{} x {}", self.criterion, self.factor);
+        let run = self.name();
         let fragments = world.sample().fragments as f64;
-        (effort.tell)(&format!(
-            "{}, {run}: {} of {duration_s} s, {fragments} pieces after {} steps",
-            self.scene,
-            world.time_s(),
-            world.steps()
-        ));
         let mut all = vec![
             Quantity::relative(
                 format!("{run}: time reached / duration"),
@@ -101,7 +109,27 @@ impl Run<'_> {
                     .within(1e-3, "what was pressed in a little may be, what fell through is not"),
             );
         }
+        (effort.tell)(&self.told(&world, duration_s, &all));
         Ok(all)
+    }
+
+    /// One line on a run, so that nobody has to wait for the others to learn how it ended.
+    fn told(&self, world: &World, duration_s: f64, quantities: &[Quantity]) -> String {
+        let short: Vec<_> = quantities
+            .iter()
+            .filter(|quantity| !quantity.passes())
+            .map(|quantity| format!("{} {:.1e}", quantity.name, quantity.value))
+            .collect();
+        let verdict =
+            if short.is_empty() { "passes".to_owned() } else { format!("falls short: {}", short.join("; ")) };
+        format!(
+            "{}, {}: {} of {duration_s} s, {} pieces after {} steps; {verdict}",
+            self.scene,
+            self.name(),
+            world.time_s(),
+            world.sample().fragments,
+            world.steps()
+        )
     }
 }
 
