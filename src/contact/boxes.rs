@@ -2,10 +2,10 @@
 //!
 //! They are put around the positions of one moment and stay valid until a node has moved further than the margin, so
 //! that they are not touched in most steps (a Verlet list). Cuts are followed: boxes of triangles that are still
-//! there stay, new ones are looked through one by one until they are many.
+//! there stay, those of new ones are put into the hierarchy beside them.
 
-use super::in_parts;
 use super::surface::ContactSurface;
+use crate::math::in_parts;
 use crate::mesh::Renumbering;
 use glam::DVec3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -17,8 +17,6 @@ pub struct SurfaceBoxes {
     bvh: Bvh,
     /// Triangle of each leaf; `None` for one that is gone.
     triangle_of_leaf: Vec<Option<u32>>,
-    /// Triangles that have come since the hierarchy was built, ascending.
-    late: Vec<u32>,
     /// By triangle.
     boxes: Vec<Aabb>,
     /// Around all of them.
@@ -55,7 +53,6 @@ impl SurfaceBoxes {
         let mut found = Self {
             bvh: Bvh::new(),
             triangle_of_leaf: Vec::new(),
-            late: Vec::new(),
             boxes: Vec::new(),
             bounds: Aabb::new_invalid(),
             positions_m: start_m.to_vec(),
@@ -141,7 +138,6 @@ impl SurfaceBoxes {
     fn build_hierarchy(&mut self) {
         self.bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &self.boxes);
         self.triangle_of_leaf = (0..self.boxes.len() as u32).map(Some).collect();
-        self.late.clear();
     }
 
     /// Follows a cut: `surface` is the one after it. Each new node lies between two parents, at a weight of the second
@@ -162,26 +158,31 @@ impl SurfaceBoxes {
             boxes[*triangle as usize] = self.box_of(surface.triangles[*triangle as usize]);
         }
         self.boxes = boxes;
+        let mut free_leaves = Vec::new();
         for (leaf, triangle) in (0_u32..).zip(&mut self.triangle_of_leaf) {
-            let Some(old) = *triangle else { continue };
-            *triangle = numbers.triangle_now(old);
-            if triangle.is_none() {
+            let was = std::mem::take(triangle);
+            *triangle = was.and_then(|old| numbers.triangle_now(old));
+            if was.is_some() && triangle.is_none() {
                 self.bvh.remove(leaf);
             }
+            if triangle.is_none() {
+                free_leaves.push(leaf);
+            }
         }
-        let kept_late = self.late.iter().filter_map(|old| numbers.triangle_now(*old));
-        self.late = kept_late.chain(numbers.new_triangles().iter().copied()).collect();
-        self.late.sort_unstable();
-        if self.late.len() > MOST_LATE + self.boxes.len() / LATE_SHARE {
-            self.build_hierarchy();
+        for new in numbers.new_triangles() {
+            let leaf = free_leaves.pop().unwrap_or_else(|| {
+                self.triangle_of_leaf.push(None);
+                self.triangle_of_leaf.len() as u32 - 1
+            });
+            self.triangle_of_leaf[leaf as usize] = Some(*new);
+            self.bvh.insert(self.boxes[*new as usize], leaf);
         }
     }
 
     /// Triangles whose boxes overlap a box.
     pub(super) fn overlapping(&self, wanted: Aabb) -> impl Iterator<Item = u32> {
         let leaves = self.bvh.leaves(move |node| overlap(&node.aabb(), &wanted));
-        let of_leaves = leaves.filter_map(|leaf| self.triangle_of_leaf[leaf as usize]);
-        let triangles = of_leaves.chain(self.late.iter().copied());
+        let triangles = leaves.filter_map(|leaf| self.triangle_of_leaf[leaf as usize]);
         triangles.filter(move |triangle| overlap(&self.boxes[*triangle as usize], &wanted))
     }
 
@@ -193,13 +194,6 @@ impl SurfaceBoxes {
         };
         let mut pairs: Vec<(u32, u32)> = leaf_pairs.filter_map(of_leaves).collect();
         pairs.retain(|(a, b)| overlap(&self.boxes[*a as usize], &other.boxes[*b as usize]));
-        for late in &self.late {
-            pairs.extend(other.overlapping(self.boxes[*late as usize]).map(|t| (*late, t)));
-        }
-        for late in &other.late {
-            let ours = self.overlapping(other.boxes[*late as usize]);
-            pairs.extend(ours.filter(|t| self.late.binary_search(t).is_err()).map(|t| (t, *late)));
-        }
         pairs
     }
 
@@ -212,11 +206,6 @@ impl SurfaceBoxes {
                 pairs.push((a, b));
             }
         });
-        for late in &self.late {
-            let others = self.overlapping(self.boxes[*late as usize]);
-            let once = others.filter(|t| t > late || self.late.binary_search(t).is_err());
-            pairs.extend(once.filter(|t| t != late).map(|t| (*late, t)));
-        }
         pairs
     }
 
@@ -261,7 +250,3 @@ impl SurfaceBoxes {
 
 /// Triangles whose boxes one task makes.
 const BOXES_AT_ONCE: usize = 4096;
-/// Triangles that may come before the hierarchy is built anew: so many,
-const MOST_LATE: usize = 64;
-/// and this share of all, as its inverse: each is looked through one by one.
-const LATE_SHARE: usize = 64;

@@ -4,10 +4,10 @@
 //! comes twice and no set of pairs is needed. What is found is sorted, so that nothing depends on how it was searched.
 
 use super::boxes::{SurfaceBoxes, overlap};
-use super::in_parts;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use super::twins::TwinState;
+use crate::math::in_parts;
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -8,12 +8,12 @@ use super::collision_list::CollisionList;
 use super::constraint::{Constraint, Feature, Geometry};
 use super::geometry::{closest_on_lines, unit_normal};
 use super::impact::ImpactStore;
-use super::in_parts;
 use super::near::NEAR_AT_ONCE;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
 use super::time_of_impact::{BORDER, Moving, node_meets_triangle};
 use super::twins::TwinState;
+use crate::math::in_parts;
 use glam::DVec3;
 
 /// Gap, as a share of the local element size, within which a pair takes part in the response even

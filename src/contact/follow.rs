@@ -2,9 +2,9 @@
 
 use super::boxes::SurfaceBoxes;
 use super::candidates::{Boxed, Candidates, OwnSearch, between_triangles, found_in_parts};
-use super::in_parts;
 use super::own::OwnFeatures;
 use super::surface::ContactSurface;
+use crate::math::in_parts;
 use crate::mesh::Renumbering;
 
 /// For every entry of some candidates, the entry of those before a cut that it was; `None` for new ones.

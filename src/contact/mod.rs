@@ -15,7 +15,6 @@ mod follow;
 mod geometry;
 mod groups;
 pub mod impact;
-mod in_parts;
 mod near;
 pub mod nodes;
 pub mod own;

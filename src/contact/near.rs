@@ -4,10 +4,9 @@ use super::candidates::Candidates;
 use super::close::CloseList;
 use super::constraint::{Constraint, Feature};
 use super::detect::{NearPair, NodeSide, PairView, edge_constraint, near_edges, near_twins, twin_constraint};
-use super::in_parts;
 use super::thrown::ThrownNodes;
 use super::twins::TwinState;
-use rayon::prelude::*;
+use crate::math::in_parts;
 
 /// All that may touch between two bodies within a step.
 #[derive(Clone, Debug, Default)]
@@ -100,15 +99,7 @@ impl Near {
         find: impl Fn(&[NearPair], &mut Vec<Constraint>) + Sync,
     ) -> Vec<Constraint> {
         let of_nodes: Vec<&[NearPair]> = self.nodes[side].chunk_by(|a, b| a.nodes[0] == b.nodes[0]).collect();
-        let of_part = |part: &[&[NearPair]]| {
-            let mut found = Vec::new();
-            part.iter().for_each(|of_node| find(of_node, &mut found));
-            found
-        };
-        if of_nodes.len() <= NODES_AT_ONCE {
-            return of_part(&of_nodes);
-        }
-        of_nodes.par_chunks(NODES_AT_ONCE).map(of_part).collect::<Vec<_>>().concat()
+        in_parts::flat_map(&of_nodes, NODES_AT_ONCE, |_, of_node, found| find(of_node, found))
     }
 
     /// The constraints of edges that `is_wanted` and of twins.

@@ -6,8 +6,8 @@
 
 use super::detect::{BodyView, OWN_NEAR};
 use super::geometry::unit_normal;
-use super::in_parts;
 use super::surface::{CrackSide, NodeLists};
+use crate::math::in_parts;
 use glam::DVec3;
 
 /// Distance of twins, over the local size, up to which they are together: what penetration may be.

@@ -1,7 +1,8 @@
-//! What glam has not: symmetric 3x3 eigenvalues, rotations, mass properties, disjoint sets.
+//! What glam has not: symmetric 3x3 eigenvalues, rotations, mass properties, disjoint sets; loops shared out among threads.
 
 mod digits;
 mod disjoint_sets;
+pub(crate) mod in_parts;
 mod mass_properties;
 mod rotation;
 mod symmetric_eigen;

@@ -4,7 +4,7 @@
 //! Everything is built by sorting, so the result depends on the numbering of the mesh alone.
 
 use super::TetMesh;
-use crate::math::DisjointSets;
+use crate::math::{DisjointSets, in_parts};
 use rayon::slice::ParallelSliceMut as _;
 
 /// Corners of the four faces of a right-handed tetrahedron, each counter-clockwise from outside;
@@ -96,17 +96,18 @@ impl Surface {
     /// The boundary of a mesh of which it is known which tetrahedron lies behind each face (of the tetrahedron, as in
     /// [`TET_FACES`]): the faces that have none behind them.
     #[must_use]
-    pub fn of_neighbours(tets: &[[u32; 4]], neighbour: impl Fn(u32, usize) -> Option<u32>) -> Self {
-        let mut surface = Self::default();
-        for (tet, corners) in (0_u32..).zip(tets) {
+    pub fn of_neighbours(tets: &[[u32; 4]], neighbour: impl Fn(u32, usize) -> Option<u32> + Sync) -> Self {
+        let outside = |tet: usize, corners: &[u32; 4], found: &mut Vec<([u32; 3], u32)>| {
             for (face, places) in TET_FACES.iter().enumerate() {
-                if neighbour(tet, face).is_none() {
-                    surface.triangles.push(places.map(|place| corners[place]));
-                    surface.triangle_tet.push(tet);
+                if neighbour(tet as u32, face).is_none() {
+                    found.push((places.map(|place| corners[place]), tet as u32));
                 }
             }
-        }
-        surface.nodes = used_nodes(&surface.triangles);
+        };
+        let (triangles, triangle_tet): (Vec<_>, Vec<_>) =
+            in_parts::flat_map(tets, TETS_AT_ONCE, outside).into_iter().unzip();
+        let nodes = used_nodes(&triangles);
+        let mut surface = Self { triangles, triangle_tet, nodes, ..Self::default() };
         surface.find_edges(tets, &neighbour);
         surface
     }
@@ -118,11 +119,7 @@ impl Surface {
     }
 
     fn find_edges(&mut self, tets: &[[u32; 4]], neighbour: &impl Fn(u32, usize) -> Option<u32>) {
-        let mut sides: Vec<([u32; 2], u32)> = (0_u32..)
-            .zip(&self.triangles)
-            .flat_map(|(t, &[a, b, c])| [[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], t)))
-            .collect();
-        sides.par_sort_unstable();
+        let sides = sorted_sides(&self.triangles, self.nodes.last().map_or(0, |last| last + 1));
         for group in sides.chunk_by(|a, b| a.0 == b.0) {
             let nodes = group[0].0;
             self.open_edges += group.len() % 2;
@@ -191,11 +188,37 @@ fn same_nodes(mut a: [u32; 3], mut b: [u32; 3]) -> bool {
     a == b
 }
 
+/// Tetrahedra whose faces one task looks at.
+const TETS_AT_ONCE: usize = 4096;
+
 fn used_nodes(triangles: &[[u32; 3]]) -> Vec<u32> {
-    let mut nodes = triangles.as_flattened().to_vec();
-    nodes.par_sort_unstable();
-    nodes.dedup();
-    nodes
+    let used = triangles.as_flattened();
+    let mut is_used = vec![false; used.iter().max().map_or(0, |last| *last as usize + 1)];
+    used.iter().for_each(|node| is_used[*node as usize] = true);
+    (0_u32..).zip(is_used).filter_map(|(node, is_used)| is_used.then_some(node)).collect()
+}
+
+/// The sides of all triangles, ascending: end nodes, smaller index first, and the triangle. They are laid out by their first
+/// nodes, so that little is left to be sorted.
+fn sorted_sides(triangles: &[[u32; 3]], node_count: u32) -> Vec<([u32; 2], u32)> {
+    let sides_of = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)]);
+    let mut next = vec![0_u32; node_count as usize + 1];
+    for [first, _] in triangles.iter().flat_map(|t| sides_of(*t)) {
+        next[first as usize + 1] += 1;
+    }
+    for node in 1..next.len() {
+        next[node] += next[node - 1];
+    }
+    let mut sides = vec![([0; 2], 0); 3 * triangles.len()];
+    for (triangle, corners) in (0_u32..).zip(triangles) {
+        for side in sides_of(*corners) {
+            let place = &mut next[side[0] as usize];
+            sides[*place as usize] = (side, triangle);
+            *place += 1;
+        }
+    }
+    sides.chunk_by_mut(|a, b| a.0[0] == b.0[0]).for_each(<[_]>::sort_unstable);
+    sides
 }
 
 /// The tetrahedra at every node, in compressed rows.

@@ -15,7 +15,7 @@ use crate::fracture::{
     Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, Growth, LimitsReached, NodeState,
     PrincipalStress, Propagation, Solid, StressMeasures,
 };
-use crate::math::symmetric_eigenvalues_estimate;
+use crate::math::{in_parts, symmetric_eigenvalues_estimate};
 use crate::mesh::Renumbering;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -285,15 +285,20 @@ impl Body {
             self.element_kinematics(),
             breaking.safe_strain,
         );
-        let mut failures = Vec::new();
         // An element that waits (see `CrackPace`) keeps all of its nodes whole: its failure would change nothing.
         let may_go_on = |element: u32| breaking.pace.may_crack(element, Growth::GoesOn, time_s);
-        for (element, cauchy_pa) in strained.iter().filter(|(e, _)| may_go_on(*e)) {
+        let failure = |_, (element, cauchy_pa): &(u32, DMat3)| {
+            if !may_go_on(*element) {
+                return None;
+            }
             let failure = breaking.failure(*element, cauchy_pa, &self.position_m).map_err(|error| {
                 SimError::Criterion { body: self.name.clone(), element: *element, time_s, error }
-            })?;
-            failures.extend(failure);
-        }
-        Ok(failures)
+            });
+            failure.transpose()
+        };
+        in_parts::filter_map(&strained, STRESSES_AT_ONCE, failure).into_iter().collect()
     }
 }
+
+/// Stresses that one task judges.
+const STRESSES_AT_ONCE: usize = 256;
