@@ -7,7 +7,7 @@ use super::body::{Body, Regime};
 use super::own_boxes::OwnBoxes;
 use crate::contact::candidates::{Candidates, between, within};
 use crate::contact::{CloseList, OwnFeatures, SurfaceBoxes};
-use crate::math::DisjointSets;
+use crate::math::{DisjointSets, in_parts};
 use crate::mesh::Renumbering;
 use glam::DVec3;
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
@@ -45,8 +45,6 @@ struct Entry {
     boxes_margin_m: f64,
     /// Counts the renewals; part of what a pair's candidates are valid for.
     stamp: u64,
-    /// Boxes for self-collision, valid in the body's own moving frame.
-    own: Option<OwnBoxes>,
     /// Box around the body as it is now, not fattened.
     bounds: Option<Aabb>,
     /// How far `bounds` is fattened, m.
@@ -59,6 +57,9 @@ struct Entry {
 #[derive(Clone, Default)]
 pub(super) struct BroadPhase {
     entries: Vec<Entry>,
+    /// By body: boxes for self-collision, valid in the body's own moving frame.
+    own: Vec<Option<OwnBoxes>>,
+    /// Ascending by their bodies.
     pub pairs: Vec<NearPair>,
     pub self_collision: bool,
 }
@@ -71,13 +72,15 @@ fn bounds_overlap(a: &SurfaceBoxes, b: &SurfaceBoxes) -> bool {
 
 impl BroadPhase {
     pub fn new(bodies: usize, self_collision: bool) -> Self {
-        let entries = (0..bodies).map(|_| Entry::default()).collect();
-        Self { entries, pairs: Vec::new(), self_collision }
+        let mut found = Self { self_collision, ..Self::default() };
+        (0..bodies).for_each(|_| found.add_body());
+        found
     }
 
     /// Makes room for one more body.
     pub fn add_body(&mut self) {
         self.entries.push(Entry::default());
+        self.own.push(None);
     }
 
     /// Forgets what is known of a body.
@@ -85,6 +88,7 @@ impl BroadPhase {
         self.pairs.retain(|pair| !pair.bodies.contains(&body));
         let entry = &mut self.entries[body];
         *entry = Entry { stamp: entry.stamp + 1, ..Entry::default() };
+        self.own[body] = None;
     }
 
     /// Follows a cut of a body: see [`SurfaceBoxes::follow`].
@@ -96,18 +100,17 @@ impl BroadPhase {
         parents: &[([u32; 2], f64)],
     ) {
         let surface = &bodies[cut].surface;
-        let Entry { boxes, own, .. } = &mut self.entries[cut];
-        let own = own.as_mut().map(|own| &mut own.boxes);
-        let mut of_body: Vec<&mut SurfaceBoxes> = boxes.iter_mut().chain(own).collect();
+        let own = self.own[cut].iter_mut().map(|own| &mut own.boxes);
+        let mut of_body: Vec<&mut SurfaceBoxes> = self.entries[cut].boxes.iter_mut().chain(own).collect();
         of_body.par_iter_mut().for_each(|boxes| boxes.follow(surface, numbers, parents));
-        let entries = &self.entries;
+        let (entries, own) = (&self.entries, &self.own[cut]);
         let stays = |pair: &mut NearPair| {
             let [first, second] = pair.bodies;
             if first != cut && second != cut {
                 return true;
             }
             if first == second {
-                let Some(own) = &entries[cut].own else { return false };
+                let Some(own) = own else { return false };
                 pair.follow_within(&bodies[cut], own, numbers);
                 return true;
             }
@@ -132,98 +135,31 @@ impl BroadPhase {
         }
         for first in 0..bodies.len() {
             let mut others = (0..bodies.len()).filter(|second| *second != first);
-            self.entries[first].is_close = others.any(|second| self.may_meet(bodies, [first, second]));
+            self.entries[first].is_close =
+                others.any(|second| may_meet(&self.entries, bodies, [first, second]));
         }
     }
 
     /// Second half: renews what is out of date and finds the pairs of which at least one body is elastic, at `time_s`.
     pub fn update(&mut self, bodies: &[Body], time_s: f64, step_s: f64) {
-        for (entry, body) in self.entries.iter_mut().zip(bodies) {
-            if entry.is_close {
-                entry.renew(body, step_s);
-            }
-        }
-        if self.self_collision {
-            self.renew_own(bodies, (time_s, step_s));
-        }
-        let mut old = std::mem::take(&mut self.pairs).into_iter().peekable();
-        for first in 0..bodies.len() {
-            for second in first..bodies.len() {
-                let key = [first, second];
-                while old.peek().is_some_and(|p| p.bodies < key) {
-                    old.next();
-                }
-                let kept = old.next_if(|p| p.bodies == key);
-                if let Some(pair) = self.pair(bodies, key, kept) {
-                    self.pairs.push(pair);
-                }
-            }
-        }
-    }
-
-    /// Renews what is out of date of the elastic bodies' boxes around themselves, and looks again at what was near those that
-    /// have been moved.
-    fn renew_own(&mut self, bodies: &[Body], moment: (f64, f64)) {
-        for (index, body) in bodies.iter().enumerate().filter(|(_, body)| body.regime == Regime::Elastic) {
-            let entry = &mut self.entries[index];
-            let (Some(numbers), Some(own)) = (entry.renew_own(body, moment), &entry.own) else { continue };
-            let of_body = self.pairs.iter_mut().filter(|pair| pair.bodies == [index; 2]);
-            of_body.for_each(|pair| pair.follow_within(body, own, &numbers));
-        }
-    }
-
-    /// Whether one of the bodies is elastic and their bounds overlap.
-    fn may_meet(&self, bodies: &[Body], pair: [usize; 2]) -> bool {
-        let bounds = |i: usize| self.entries[i].bounds.map(|b| b.loosened(self.entries[i].margin_m));
-        let is_elastic = pair.iter().any(|i| bodies[*i].regime == Regime::Elastic);
-        is_elastic
-            && match pair.map(bounds) {
-                [Some(a), Some(b)] => a.mins.cmple(b.maxs).all() && b.mins.cmple(a.maxs).all(),
-                _ => false,
-            }
+        let (own_pairs, pairs): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.pairs).into_iter().partition(|pair| pair.bodies[0] == pair.bodies[1]);
+        let is_on = self.self_collision;
+        let Self { entries, own, .. } = self;
+        let elastic = bodies.iter().filter(|body| body.regime == Regime::Elastic);
+        let triangles = elastic.map(|body| body.surface.triangles.len()).sum();
+        let of_themselves =
+            || if is_on { renew_own(own, own_pairs, bodies, (time_s, step_s)) } else { Vec::new() };
+        let among_them = || renew_among(entries, pairs, bodies, step_s);
+        let (own_pairs, pairs) = in_parts::both(triangles, of_themselves, among_them);
+        self.pairs.extend(own_pairs);
+        self.pairs.extend(pairs);
+        self.pairs.sort_by_key(|pair| pair.bodies);
     }
 
     /// Whether an elastic body may come near the body, by its bounds.
     pub fn is_close(&self, body: usize) -> bool {
         self.entries[body].is_close
-    }
-
-    fn pair(&self, bodies: &[Body], key: [usize; 2], kept: Option<NearPair>) -> Option<NearPair> {
-        let [first, second] = key;
-        let is_self = first == second;
-        let is_elastic = key.map(|b| bodies[b].regime == Regime::Elastic);
-        if !(is_elastic[0] || is_elastic[1]) || (is_self && !self.self_collision) {
-            return None;
-        }
-        if is_self {
-            let own = self.entries[first].own.as_ref()?;
-            let stamps = [own.stamp; 2];
-            if let Some(pair) = kept.filter(|p| p.stamps == stamps) {
-                return Some(pair);
-            }
-            let candidates = within(&own_features(&bodies[first]), &own.boxes);
-            return Some(NearPair { bodies: key, candidates, close: CloseList::default(), stamps });
-        }
-        if !self.may_meet(bodies, key) {
-            return None;
-        }
-        let (a, b) = (&self.entries[first], &self.entries[second]);
-        let (boxes_a, boxes_b) = (a.boxes.as_ref()?, b.boxes.as_ref()?);
-        let stamps = [a.stamp, b.stamp];
-        if let Some(pair) = kept.filter(|p| p.stamps == stamps) {
-            return Some(pair);
-        }
-        if !bounds_overlap(boxes_a, boxes_b) {
-            return None;
-        }
-        let candidates =
-            between((&bodies[first].surface, boxes_a), (&bodies[second].surface, boxes_b), false);
-        (!candidates.is_empty()).then_some(NearPair {
-            bodies: key,
-            candidates,
-            close: CloseList::default(),
-            stamps,
-        })
     }
 
     /// Shortest time in which a body could outrun its boxes at its present speed, s.
@@ -240,19 +176,86 @@ impl BroadPhase {
     }
 }
 
-impl Entry {
-    /// Returns which nodes the boxes have followed; `None` where all or none were renewed.
-    fn renew_own(&mut self, body: &Body, (time_s, step_s): (f64, f64)) -> Option<Renumbering> {
-        if let Some(own) = &mut self.own {
-            let change = own.outrun_by(body, time_s)?;
-            if let Some(numbers) = own.move_some(body, &change, step_s) {
-                return Some(numbers);
-            }
+/// Renews what is out of date of the elastic bodies' boxes around themselves, and their candidates with themselves: of which
+/// boxes have been moved they are looked for anew.
+fn renew_own(
+    own: &mut [Option<OwnBoxes>],
+    kept: Vec<NearPair>,
+    bodies: &[Body],
+    moment: (f64, f64),
+) -> Vec<NearPair> {
+    let mut kept = kept.into_iter().peekable();
+    let mut of_body = |(index, (own, body)): (usize, (&mut Option<OwnBoxes>, &Body))| {
+        let bodies = [index; 2];
+        let kept = kept.next_if(|pair| pair.bodies == bodies);
+        if body.regime != Regime::Elastic {
+            return None;
         }
-        self.own = Some(OwnBoxes::around(body, self.own.take(), (time_s, step_s)));
-        None
-    }
+        let moved = OwnBoxes::renew(own, body, moment);
+        let own = own.as_ref()?;
+        let stamps = [own.stamp; 2];
+        if let Some(mut pair) = kept.filter(|pair| pair.stamps == stamps) {
+            if let Some(numbers) = moved {
+                pair.follow_within(body, own, &numbers);
+            }
+            return Some(pair);
+        }
+        let candidates = within(&own_features(body), &own.boxes);
+        Some(NearPair { bodies, candidates, close: CloseList::default(), stamps })
+    };
+    own.iter_mut().zip(bodies).enumerate().filter_map(&mut of_body).collect()
+}
 
+/// Renews what is out of date of the boxes for contact with others, and finds the pairs of bodies of which at least one is
+/// elastic.
+fn renew_among(entries: &mut [Entry], kept: Vec<NearPair>, bodies: &[Body], step_s: f64) -> Vec<NearPair> {
+    for (entry, body) in entries.iter_mut().zip(bodies).filter(|(entry, _)| entry.is_close) {
+        entry.renew(body, step_s);
+    }
+    let mut kept = kept.into_iter().peekable();
+    let mut pairs = Vec::new();
+    for first in 0..bodies.len() {
+        for second in first + 1..bodies.len() {
+            let key = [first, second];
+            let kept = kept.next_if(|pair| pair.bodies == key);
+            pairs.extend(pair_of(entries, bodies, key, kept));
+        }
+    }
+    pairs
+}
+
+/// The pair of two bodies, if one of them is elastic and they are near each other.
+fn pair_of(entries: &[Entry], bodies: &[Body], key: [usize; 2], kept: Option<NearPair>) -> Option<NearPair> {
+    if !may_meet(entries, bodies, key) {
+        return None;
+    }
+    let [a, b] = key.map(|body| &entries[body]);
+    let (boxes_a, boxes_b) = (a.boxes.as_ref()?, b.boxes.as_ref()?);
+    let stamps = [a.stamp, b.stamp];
+    if let Some(pair) = kept.filter(|pair| pair.stamps == stamps) {
+        return Some(pair);
+    }
+    if !bounds_overlap(boxes_a, boxes_b) {
+        return None;
+    }
+    let [first, second] = key.map(|body| &bodies[body].surface);
+    let candidates = between((first, boxes_a), (second, boxes_b), false);
+    let close = CloseList::default();
+    (!candidates.is_empty()).then_some(NearPair { bodies: key, candidates, close, stamps })
+}
+
+/// Whether one of the bodies is elastic and their bounds overlap.
+fn may_meet(entries: &[Entry], bodies: &[Body], pair: [usize; 2]) -> bool {
+    let bounds = |i: usize| entries[i].bounds.map(|b| b.loosened(entries[i].margin_m));
+    let is_elastic = pair.iter().any(|i| bodies[*i].regime == Regime::Elastic);
+    is_elastic
+        && match pair.map(bounds) {
+            [Some(a), Some(b)] => a.mins.cmple(b.maxs).all() && b.mins.cmple(a.maxs).all(),
+            _ => false,
+        }
+}
+
+impl Entry {
     /// Bounds of the body now; of one in free travel, whose nodes are not placed, around all its turns.
     fn renew_bounds(&mut self, body: &Body, step_s: f64) {
         if matches!(body.regime, Regime::Fixed | Regime::Asleep) && self.bounds.is_some() {

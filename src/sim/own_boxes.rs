@@ -38,7 +38,7 @@ pub(super) struct OwnBoxes {
 impl OwnBoxes {
     /// Puts boxes around the body as it is, those that were around it before if there are any. `step_s` is the length of the step
     /// to come.
-    pub fn around(body: &Body, before: Option<Self>, (time_s, step_s): (f64, f64)) -> Self {
+    fn around(body: &Body, before: Option<Self>, (time_s, step_s): (f64, f64)) -> Self {
         let (surface, positions_m) = (&body.surface, &body.position_m);
         let stamp = before.as_ref().map_or(0, |own| own.stamp + 1);
         let before = before.map(|own| own.boxes);
@@ -51,8 +51,21 @@ impl OwnBoxes {
         Self { boxes, stamp, orientation: DQuat::IDENTITY, spare_m: SHARE * margin_m(body), time_s }
     }
 
+    /// Renews what is out of date of boxes around a body, or puts the first ones there. Returns which nodes the boxes have
+    /// followed; `None` where all or none were renewed.
+    pub fn renew(own: &mut Option<Self>, body: &Body, (time_s, step_s): (f64, f64)) -> Option<Renumbering> {
+        if let Some(own) = own {
+            let change = own.outrun_by(body, time_s)?;
+            if let Some(numbers) = own.move_some(body, &change, step_s) {
+                return Some(numbers);
+            }
+        }
+        *own = Some(Self::around(body, own.take(), (time_s, step_s)));
+        None
+    }
+
     /// How the shape has changed when that may be more than the boxes allow, at `time_s`; `None` while they hold.
-    pub fn outrun_by(&mut self, body: &Body, time_s: f64) -> Option<ChangeOfShape> {
+    fn outrun_by(&mut self, body: &Body, time_s: f64) -> Option<ChangeOfShape> {
         // In a body that bursts nodes are too different for one measure.
         if !body.surface.has_cracked() {
             // Half of it for speeding up.
@@ -93,7 +106,7 @@ impl OwnBoxes {
 
     /// Moves the boxes of the nodes that have changed their places most to where they are by now. Returns which they were, or
     /// `None` where they are so many that all had better be renewed.
-    pub fn move_some(&mut self, body: &Body, change: &ChangeOfShape, step_s: f64) -> Option<Renumbering> {
+    fn move_some(&mut self, body: &Body, change: &ChangeOfShape, step_s: f64) -> Option<Renumbering> {
         let surface = &body.surface;
         let mut is_affected = vec![false; body.position_m.len()];
         for (node, share) in &change.of_nodes {
@@ -126,7 +139,7 @@ fn margins_m(body: &Body, turn: DMat3, step_s: f64) -> impl Fn(u32) -> DVec3 {
 }
 
 /// How a body has changed its shape since boxes were put around it.
-pub(super) struct ChangeOfShape {
+struct ChangeOfShape {
     /// Middle of the nodes of its surface then and now, m, and how it has turned.
     centre_then_m: DVec3,
     centre_now_m: DVec3,
