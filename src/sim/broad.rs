@@ -176,8 +176,8 @@ impl BroadPhase {
     }
 }
 
-/// Renews what is out of date of the elastic bodies' boxes around themselves, and their candidates with themselves: of which
-/// boxes have been moved they are looked for anew.
+/// Renews what is out of date of the elastic bodies' boxes around themselves, and the candidates with themselves that boxes
+/// have moved away from or to.
 fn renew_own(
     own: &mut [Option<OwnBoxes>],
     kept: Vec<NearPair>,
