@@ -59,7 +59,8 @@ impl SurfaceBoxes {
             margins_m: vec![DVec3::splat(margin_m); start_m.len()],
         };
         found.put_around(surface, [start_m, end_m]);
-        found.build_hierarchy();
+        found.bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &found.boxes);
+        found.triangle_of_leaf = (0..found.boxes.len() as u32).map(Some).collect();
         found
     }
 
@@ -135,11 +136,6 @@ impl SurfaceBoxes {
         self.bounds = self.boxes.iter().fold(Aabb::new_invalid(), around);
     }
 
-    fn build_hierarchy(&mut self) {
-        self.bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &self.boxes);
-        self.triangle_of_leaf = (0..self.boxes.len() as u32).map(Some).collect();
-    }
-
     /// Follows a cut: `surface` is the one after it. Each new node lies between two parents, at a weight of the second
     /// one; later ones may have earlier ones as parents.
     pub fn follow(&mut self, surface: &ContactSurface, numbers: &Renumbering, parents: &[([u32; 2], f64)]) {
@@ -160,14 +156,14 @@ impl SurfaceBoxes {
         self.boxes = boxes;
         let mut free_leaves = Vec::new();
         for (leaf, triangle) in (0_u32..).zip(&mut self.triangle_of_leaf) {
-            let was = std::mem::take(triangle);
-            *triangle = was.and_then(|old| numbers.triangle_now(old));
-            if was.is_some() && triangle.is_none() {
+            let now = triangle.and_then(|old| numbers.triangle_now(old));
+            if triangle.is_some() && now.is_none() {
                 self.bvh.remove(leaf);
             }
-            if triangle.is_none() {
+            if now.is_none() {
                 free_leaves.push(leaf);
             }
+            *triangle = now;
         }
         for new in numbers.new_triangles() {
             let leaf = free_leaves.pop().unwrap_or_else(|| {

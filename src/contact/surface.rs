@@ -3,6 +3,7 @@
 use super::geometry::unit_normal;
 use super::twins::{CrackFaces, Twins};
 use super::ways::Clusters;
+use crate::math::in_rows;
 use crate::mesh::Surface;
 use glam::DVec3;
 
@@ -70,18 +71,7 @@ pub(super) struct NodeLists {
 impl NodeLists {
     /// From pairs of a node and an entry; ascending for each node.
     pub fn new(pairs: Vec<(u32, u32)>, node_count: usize) -> Self {
-        let mut starts = vec![0_u32; node_count + 1];
-        pairs.iter().for_each(|(node, _)| starts[*node as usize + 1] += 1);
-        for node in 0..node_count {
-            starts[node + 1] += starts[node];
-        }
-        let mut entries = vec![0; pairs.len()];
-        let mut next = starts.clone();
-        for (node, entry) in pairs {
-            let place = &mut next[node as usize];
-            entries[*place as usize] = entry;
-            *place += 1;
-        }
+        let (starts, mut entries) = in_rows(pairs.into_iter(), node_count);
         for range in starts.windows(2) {
             entries[range[0] as usize..range[1] as usize].sort_unstable();
         }

@@ -12,5 +12,5 @@ mod tet_mesh;
 pub use overlap::{Overlap, TOUCHING_SHARE, overlap};
 pub use quality::{ElementShape, MeshReport, SLIVER_QUALITY, WorstElement};
 pub use renumbering::Renumbering;
-pub use surface::{NodeTets, Pieces, Surface, SurfaceEdge, TET_FACES};
+pub use surface::{Pieces, Surface, SurfaceEdge, TET_FACES};
 pub use tet_mesh::{TetMesh, bounds_m, signed_volume_m3};

@@ -4,7 +4,7 @@
 //! Everything is built by sorting, so the result depends on the numbering of the mesh alone.
 
 use super::TetMesh;
-use crate::math::{DisjointSets, in_parts};
+use crate::math::{DisjointSets, in_parts, in_rows};
 use rayon::slice::ParallelSliceMut as _;
 
 /// Corners of the four faces of a right-handed tetrahedron, each counter-clockwise from outside;
@@ -202,63 +202,11 @@ fn used_nodes(triangles: &[[u32; 3]]) -> Vec<u32> {
 /// nodes, so that little is left to be sorted.
 fn sorted_sides(triangles: &[[u32; 3]], node_count: u32) -> Vec<([u32; 2], u32)> {
     let sides_of = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)]);
-    let mut next = vec![0_u32; node_count as usize + 1];
-    for [first, _] in triangles.iter().flat_map(|t| sides_of(*t)) {
-        next[first as usize + 1] += 1;
-    }
-    for node in 1..next.len() {
-        next[node] += next[node - 1];
-    }
-    let mut sides = vec![([0; 2], 0); 3 * triangles.len()];
-    for (triangle, corners) in (0_u32..).zip(triangles) {
-        for side in sides_of(*corners) {
-            let place = &mut next[side[0] as usize];
-            sides[*place as usize] = (side, triangle);
-            *place += 1;
-        }
-    }
+    let of_triangle =
+        |(triangle, corners): (u32, &[u32; 3])| sides_of(*corners).map(|side| (side[0], (side, triangle)));
+    let (_, mut sides) = in_rows((0_u32..).zip(triangles).flat_map(of_triangle), node_count as usize);
     sides.chunk_by_mut(|a, b| a.0[0] == b.0[0]).for_each(<[_]>::sort_unstable);
     sides
-}
-
-/// The tetrahedra at every node, in compressed rows.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct NodeTets {
-    /// Where the row of each node begins in `tets`; one entry more than there are nodes.
-    pub offsets: Vec<u32>,
-    /// Tetrahedra of all nodes, ascending within a row.
-    pub tets: Vec<u32>,
-}
-
-impl NodeTets {
-    /// Lists the tetrahedra at each of `node_count` nodes.
-    #[must_use]
-    pub fn of(tets: &[[u32; 4]], node_count: usize) -> Self {
-        let mut offsets = vec![0_u32; node_count + 1];
-        for &node in tets.as_flattened() {
-            offsets[node as usize + 1] += 1;
-        }
-        for node in 0..node_count {
-            offsets[node + 1] += offsets[node];
-        }
-        let mut next = offsets.clone();
-        let mut rows = vec![0_u32; 4 * tets.len()];
-        for (t, tet) in (0_u32..).zip(tets) {
-            for &node in tet {
-                let slot = &mut next[node as usize];
-                rows[*slot as usize] = t;
-                *slot += 1;
-            }
-        }
-        Self { offsets, tets: rows }
-    }
-
-    /// The tetrahedra at `node`, ascending.
-    #[must_use]
-    pub fn at(&self, node: u32) -> &[u32] {
-        let node = node as usize;
-        &self.tets[self.offsets[node] as usize..self.offsets[node + 1] as usize]
-    }
 }
 
 /// The pieces a mesh falls into.
@@ -387,9 +335,11 @@ mod tests {
     #[test]
     fn node_rows_list_every_tetrahedron_once() {
         let tets = fan(&[0, 1, 2]);
-        let rows = NodeTets::of(&tets, 8);
-        assert_eq!(rows.at(0), [0, 1, 2]);
-        assert_eq!(rows.at(3), [0, 1]);
-        assert_eq!(rows.at(7), [0_u32; 0]);
+        let at_nodes = (0_u32..).zip(&tets).flat_map(|(t, tet)| tet.map(|node| (node, t)));
+        let (starts, rows) = in_rows(at_nodes, 8);
+        let at = |node: usize| &rows[starts[node] as usize..starts[node + 1] as usize];
+        assert_eq!(at(0), [0, 1, 2]);
+        assert_eq!(at(3), [0, 1]);
+        assert_eq!(at(7), [0_u32; 0]);
     }
 }

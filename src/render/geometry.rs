@@ -1,6 +1,7 @@
 //! From a frame to triangles with normals and colours, ready for the GPU.
 
 use crate::frame::{BodyFrame, BodyRole, ColorBy, Frame, SurfaceTopology};
+use crate::math::in_rows;
 use crate::render::color_map::{body_srgb, to_byte};
 use crate::render::crosses::cross_vertices;
 use crate::render::range::Range;
@@ -150,20 +151,8 @@ impl CachedTopology {
     fn new(surface: &Arc<SurfaceTopology>) -> Self {
         let corners = || surface.triangles.iter().flatten();
         let vertices = corners().max().map_or(0, |&last| last as usize + 1);
-        let mut starts = vec![0u32; vertices + 1];
-        for &vertex in corners() {
-            starts[vertex as usize + 1] += 1;
-        }
-        for vertex in 0..vertices {
-            starts[vertex + 1] += starts[vertex];
-        }
-        let mut next = starts.clone();
-        let mut triangles = vec![0; 3 * surface.triangles.len()];
-        for (corner, &vertex) in corners().enumerate() {
-            let slot = &mut next[vertex as usize];
-            triangles[*slot as usize] = corner as u32 / 3;
-            *slot += 1;
-        }
+        let of_corners = corners().enumerate().map(|(corner, vertex)| (*vertex, corner as u32 / 3));
+        let (starts, triangles) = in_rows(of_corners, vertices);
         let mut topology = Self {
             surface: Arc::clone(surface),
             starts,

@@ -100,9 +100,12 @@ impl BroadPhase {
         parents: &[([u32; 2], f64)],
     ) {
         let surface = &bodies[cut].surface;
-        let own = self.own[cut].iter_mut().map(|own| &mut own.boxes);
-        let mut of_body: Vec<&mut SurfaceBoxes> = self.entries[cut].boxes.iter_mut().chain(own).collect();
-        of_body.par_iter_mut().for_each(|boxes| boxes.follow(surface, numbers, parents));
+        let (boxes, own) = (&mut self.entries[cut].boxes, &mut self.own[cut]);
+        in_parts::both(
+            surface.triangles.len(),
+            || boxes.iter_mut().for_each(|boxes| boxes.follow(surface, numbers, parents)),
+            || own.iter_mut().for_each(|own| own.boxes.follow(surface, numbers, parents)),
+        );
         let (entries, own) = (&self.entries, &self.own[cut]);
         let stays = |pair: &mut NearPair| {
             let [first, second] = pair.bodies;

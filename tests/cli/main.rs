@@ -145,8 +145,8 @@ fn leftovers(folder: &Path) -> bool {
     })
 }
 
-#[cfg(unix)]
 /// Sends a signal and at once its echo, as GNU `timeout` does.
+#[cfg(unix)]
 fn send(signal: &str, child: &Child) {
     let pid = child.id().to_string();
     let sent = Command::new("kill").args(["-s", signal, &pid, &pid]).status();
