@@ -9,6 +9,7 @@ pub mod candidates;
 pub mod close;
 pub mod collision_list;
 pub mod constraint;
+mod deep;
 pub mod detect;
 mod first_guess;
 mod follow;

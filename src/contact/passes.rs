@@ -5,20 +5,11 @@
 //! start from stands in `first_guess.rs`.
 
 use super::constraint::Constraint;
+use super::deep::{DepthLimit, Progress};
 use super::nodes::{ContactNode, NodeTable, Weighted};
 use super::response::{ResponseParameters, Settling};
 use glam::DVec3;
 
-/// Penetration left by the passes, as a share of the local size, that asks for more of them.
-const PENETRATION_LEFT: f64 = 1e-4;
-/// Penetration within a body up to which no more passes are asked for, as a share of the local size.
-const OWN_PENETRATION_LEFT: f64 = 3e-4;
-/// Passes without improvement after which a response gives up: within a body some pairs are as deep as they yield,
-const OWN_STALLED: u32 = 12;
-/// and between bodies some may be in each other's way.
-const STALLED: u32 = 48;
-/// What counts as improvement of the excess depth.
-const IMPROVEMENT: f64 = 0.95;
 /// Mobility along the normal, over that along the freest axis, below which a pair cannot be opened.
 const LEAST_BLOCK: f64 = 1e-3;
 /// Pairs that say nearly the same settle more slowly than the passes asked for allow: they get this many times as many.
@@ -41,6 +32,7 @@ pub(super) fn settle(
     let mut memory = Anderson::default();
     let is_own = rows.iter().any(PairRow::is_own);
     let patience = if is_own { OWN_PATIENCE } else { PATIENCE };
+    let limit = DepthLimit { step_s: p.step_s, is_own };
     let mut progress = Progress::default();
     loop {
         let pass = Pass::over(rows, nodes);
@@ -52,7 +44,7 @@ pub(super) fn settle(
         let is_settled = settling.last_change < p.tolerance;
         let is_time = is_settled || settling.passes >= p.passes * patience;
         let is_done = is_time && {
-            let excess = excess_depth(rows, nodes, (p.step_s, is_own));
+            let excess = limit.largest_excess(rows, nodes);
             settling.last_change < 1e-12 || excess <= 0.0 || progress.has_stalled(excess, is_own)
         };
         // The last word has a plain pass, in which every pair obeys its law.
@@ -60,26 +52,9 @@ pub(super) fn settle(
             return settling;
         }
         memory.accelerate(rows, nodes, pass);
-    }
-}
-
-/// Whether passes still get anywhere.
-#[derive(Default)]
-struct Progress {
-    best: Option<f64>,
-    passes_since: u32,
-}
-
-impl Progress {
-    /// Takes note of the excess depth after a pass.
-    fn has_stalled(&mut self, excess: f64, is_own: bool) -> bool {
-        if self.best.is_none_or(|best| excess < IMPROVEMENT * best) {
-            self.best = Some(excess);
-            self.passes_since = 0;
-        } else {
-            self.passes_since += 1;
+        if is_time && is_own {
+            limit.relax_around_deep(rows, nodes);
         }
-        self.passes_since >= if is_own { OWN_STALLED } else { STALLED }
     }
 }
 
@@ -185,21 +160,6 @@ fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-/// By how much the deepest pair would end the step too deep, as a share of the local size. `is_own` where bodies touch
-/// themselves, and few passes are taken for granted: there small steps into each other would add up.
-fn excess_depth(rows: &[PairRow], nodes: &[ContactNode], (step_s, is_own): (f64, bool)) -> f64 {
-    let excess = |row: &PairRow| {
-        let depth_m = -row.gap_m - step_s * row.at.velocity(nodes).dot(row.normal);
-        let allowed_m = if is_own {
-            (OWN_PENETRATION_LEFT * row.size_m).max(-row.gap_m)
-        } else {
-            PENETRATION_LEFT * row.size_m - row.gap_m.min(0.0)
-        };
-        (depth_m - allowed_m) / row.size_m
-    };
-    rows.iter().map(excess).fold(0.0, f64::max)
-}
-
 /// A pair with its block and its impulse, ready to be solved again and again: what the passes need and no more, since they
 /// spend their time in fetching it.
 pub(super) struct PairRow {
@@ -220,8 +180,8 @@ pub(super) struct PairRow {
     pub is_settled: bool,
     /// Normal impulse from which friction is taken at most, N s.
     most_normal_n_s: f64,
-    gap_m: f64,
-    size_m: f64,
+    pub gap_m: f64,
+    pub size_m: f64,
 }
 
 impl PairRow {
@@ -268,7 +228,7 @@ impl PairRow {
     }
 
     /// Solves the pair with all others held.
-    fn relax(&mut self, nodes: &mut [ContactNode]) {
+    pub fn relax(&mut self, nodes: &mut [ContactNode]) {
         let (normal, old) = (self.normal, self.impulse_n_s);
         let velocity = self.at.velocity(nodes);
         let (old_normal, opening_m_s) = (old.dot(normal), velocity.dot(normal));

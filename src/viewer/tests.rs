@@ -17,6 +17,7 @@ use crate::sim::World;
 use egui::{Event, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Longest wait for anything; a busy machine is slow, a stuck thread never comes back.
@@ -492,18 +493,24 @@ fn escape_ends_throwing_and_what_was_said_goes_away() {
     settle(&mut window);
 
     // Saved with its panel in sight, it says so there; without, over the picture, until something else is done.
-    let save = |window: &mut Window| {
+    let save = |window: &mut Window, name: &str| {
         window.key_press_modifiers(Modifiers::COMMAND, egui::Key::S);
         window.step();
+        // The clock of this window goes on with its frames: none is laid out while the disk works.
+        let (file, asked) = (Path::new(&window.state().save.folder).join(name), Instant::now());
+        while !file.exists() {
+            std::thread::sleep(Duration::from_millis(3));
+            assert!(asked.elapsed() < TIME_LIMIT, "{name} was not saved");
+        }
         wait(window, "the scene", |app| !app.saver.is_busy());
         window.step();
     };
-    save(&mut window);
+    save(&mut window, "bounce.toml");
     assert_eq!(window.state().notice(), None);
     assert!(window.query_by_label_contains("bounce.toml").is_some());
     window.state_mut().panels.inspector = false;
     settle(&mut window);
-    save(&mut window);
+    save(&mut window, "bounce-2.toml");
     let told = |window: &Window| window.state().save.notice().map(|(text, _)| text).unwrap_or_default();
     assert!(
         told(&window).starts_with("Saved ") && told(&window).contains("bounce-2.toml"),
@@ -511,7 +518,7 @@ fn escape_ends_throwing_and_what_was_said_goes_away() {
         told(&window)
     );
     // Another one right after it: both can be read, whatever else is done, for some seconds.
-    save(&mut window);
+    save(&mut window, "bounce-3.toml");
     window.key_press(egui::Key::Period);
     settle(&mut window);
     assert!(
