@@ -46,7 +46,10 @@ fn one_run_of_a_sweep_can_be_asked_for() {
     let outcome = find("sweep-bar-torn").expect("it is in the list").run(&effort).expect("it runs");
     assert!(outcome.quantities.iter().all(|q| q.name.starts_with("Tresca x 1:")), "{outcome:?}");
     let told = told.into_inner().unwrap();
-    assert!(told.len() == 1 && told[0].ends_with("steps; passes"), "{told:?}");
+    // Whoever waits learns how far it has come.
+    let so_far = (1..10).map(|tenth| format!("bar-torn, Tresca x 1: {} % after ", 10 * tenth));
+    assert!(so_far.zip(&told).all(|(begin, line)| line.starts_with(&begin)), "{told:?}");
+    assert!(told.len() == 10 && told[9].ends_with("steps; passes"), "{told:?}");
 }
 
 #[test]

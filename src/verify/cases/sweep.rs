@@ -78,7 +78,18 @@ impl Run<'_> {
         let ground = scene.setup.bodies.iter().position(|body| body.name == GROUND);
         let mut world = World::new(scene.setup)?;
         let mut balance = Balance::of(&world);
-        let ran = effort.run(&mut world, duration_s, |world, _| balance.follow(&world.sample()));
+        let mut told_tenths = 0;
+        let ran = effort.run(&mut world, duration_s, |world, _| {
+            let sample = world.sample();
+            balance.follow(&sample);
+            let tenths = (10.0 * world.time_s() / duration_s) as u32;
+            if tenths > told_tenths && tenths < 10 {
+                told_tenths = tenths;
+                let (percent, steps) = (10 * tenths, world.steps());
+                let at = format!("{percent} % after {steps} steps, {} pieces", sample.fragments);
+                (effort.tell)(&format!("{}, {}: {at}", self.scene, self.name()));
+            }
+        });
         // A run that breaks off is a result like others; that somebody wants an end is not.
         if let Err(CaseError::Stopped) = ran {
             return Err(CaseError::Stopped);
