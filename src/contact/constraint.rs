@@ -172,19 +172,17 @@ impl Constraint {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// `sum w_i x_i` must be parallel to the impulse, for both kinds and any friction.
-    fn moment_arm(feature: Feature, g: &Geometry, points: [DVec3; 4], impulse: DVec3) -> DVec3 {
-        let c = Constraint {
+impl Constraint {
+    /// A pair of two bodies that has done nothing yet: its nodes and weights are for a test to say.
+    pub(super) fn blank(feature: Feature) -> Self {
+        Self {
             bodies: [0, 1],
             feature,
             nodes: [(0, 0); 4],
-            weights: g.weights,
-            weight_shifts_per_m: feature.weight_shifts_per_m(points, g.normal),
-            normal: g.normal,
-            gap_m: g.gap_m,
+            weights: [0.0; 4],
+            weight_shifts_per_m: [DVec3::ZERO; 4],
+            normal: DVec3::Z,
+            gap_m: 0.0,
             place_m: DVec3::ZERO,
             size_m: 1.0,
             friction_coefficient: 0.0,
@@ -193,7 +191,24 @@ mod tests {
             stored: ImpactStore::default(),
             target_m_s: 0.0,
             is_settled: false,
+            impulse_n_s: DVec3::ZERO,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `sum w_i x_i` must be parallel to the impulse, for both kinds and any friction.
+    fn moment_arm(feature: Feature, g: &Geometry, points: [DVec3; 4], impulse: DVec3) -> DVec3 {
+        let c = Constraint {
+            weights: g.weights,
+            weight_shifts_per_m: feature.weight_shifts_per_m(points, g.normal),
+            normal: g.normal,
+            gap_m: g.gap_m,
             impulse_n_s: impulse,
+            ..Constraint::blank(feature)
         };
         let w = c.moment_free_weights();
         assert!(w.iter().sum::<f64>().abs() < 1e-14);

@@ -106,7 +106,6 @@ impl Progress {
 #[cfg(test)]
 mod tests {
     use super::super::constraint::{Constraint, Feature};
-    use super::super::impact::ImpactStore;
     use super::super::nodes::NodeTable;
     use super::super::passes::settle;
     use super::super::response::ResponseParameters;
@@ -120,24 +119,12 @@ mod tests {
     /// Pairs of one body in a row: each node on a patch of the next three.
     fn in_a_row(count: u32) -> Vec<Constraint> {
         let third = -1.0 / 3.0;
-        let feature = |node: u32| Feature::NodeOnPatch { node, triangle: node };
         let pair = |node: u32| Constraint {
             bodies: [0, 0],
-            feature: feature(node),
             nodes: std::array::from_fn(|i| (0, node + i as u32)),
             weights: [1.0, third, third, third],
-            weight_shifts_per_m: [DVec3::ZERO; 4],
-            normal: DVec3::Z,
-            gap_m: 0.0,
-            place_m: DVec3::ZERO,
-            size_m: 1.0,
             friction_coefficient: 0.3,
-            closing_m_s: 0.0,
-            may_bounce: true,
-            stored: ImpactStore::default(),
-            target_m_s: 0.0,
-            is_settled: false,
-            impulse_n_s: DVec3::ZERO,
+            ..Constraint::blank(Feature::NodeOnPatch { node, triangle: node })
         };
         (0..count).map(pair).collect()
     }

@@ -244,23 +244,15 @@ mod tests {
         let g = Geometry::node_on_patch(place_m, [DVec3::ZERO, DVec3::X, DVec3::Y]).unwrap();
         let feature = Feature::NodeOnPatch { node, triangle: 0 };
         Constraint {
-            bodies: [0, 1],
-            feature,
             nodes: [(0, node), (1, 0), (1, 1), (1, 2)],
             weights: g.weights,
             weight_shifts_per_m: feature
                 .weight_shifts_per_m([place_m, DVec3::ZERO, DVec3::X, DVec3::Y], g.normal),
             normal: g.normal,
-            gap_m: 0.0,
             place_m,
             size_m: 0.1,
-            friction_coefficient: 0.0,
-            closing_m_s: 0.0,
-            may_bounce: true,
             stored: ImpactStore { energy_j, speed_m_s: energy_j.sqrt() },
-            target_m_s: 0.0,
-            is_settled: false,
-            impulse_n_s: DVec3::ZERO,
+            ..Constraint::blank(feature)
         }
     }
 

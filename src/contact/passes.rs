@@ -2,7 +2,7 @@
 //!
 //! A pass goes forth and back over the pairs. Passes learn from each other (Anderson acceleration, which amounts to
 //! conjugate gradients while no pair opens or slips; Zywicz and Puso, IJNME 44, 1999, accelerate in that way). Where they
-//! start from stands in `first_guess.rs`.
+//! start from stands in `first_guess.rs`, what becomes of a few that stay too deep in `deep.rs`.
 
 use super::constraint::Constraint;
 use super::deep::{DepthLimit, Progress};

@@ -325,22 +325,14 @@ mod tests {
         let g = Geometry::node_on_patch(node, patch).unwrap();
         let feature = Feature::NodeOnPatch { node: 0, triangle: 0 };
         vec![Constraint {
-            bodies: [0, 1],
-            feature,
             nodes: [(0, 0), (1, 0), (1, 1), (1, 2)],
             weights: g.weights,
             weight_shifts_per_m: feature.weight_shifts_per_m([node, patch[0], patch[1], patch[2]], g.normal),
             normal: g.normal,
             gap_m: g.gap_m,
             place_m: node,
-            size_m: 1.0,
             friction_coefficient: friction,
-            closing_m_s: 0.0,
-            may_bounce: true,
-            stored: ImpactStore::default(),
-            target_m_s: 0.0,
-            is_settled: false,
-            impulse_n_s: DVec3::ZERO,
+            ..Constraint::blank(feature)
         }]
     }
 
