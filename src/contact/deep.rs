@@ -5,7 +5,8 @@
 //! their own.
 
 use super::nodes::ContactNode;
-use super::passes::PairRow;
+use super::passes::{PairRow, relax_forth_and_back};
+use std::borrow::Borrow;
 
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
 const PENETRATION_LEFT: f64 = 1e-4;
@@ -34,8 +35,8 @@ pub(super) struct DepthLimit {
 
 impl DepthLimit {
     /// By how much the deepest pair would end the step too deep, as a share of the local size; 0 when none would.
-    pub fn largest_excess(self, rows: &[PairRow], nodes: &[ContactNode]) -> f64 {
-        rows.iter().map(|row| self.excess(row, nodes)).fold(0.0, f64::max)
+    pub fn largest_excess(self, rows: &[impl Borrow<PairRow>], nodes: &[ContactNode]) -> f64 {
+        rows.iter().map(|row| self.excess(row.borrow(), nodes)).fold(0.0, f64::max)
     }
 
     fn excess(self, row: &PairRow, nodes: &[ContactNode]) -> f64 {
@@ -59,9 +60,8 @@ impl DepthLimit {
         let mut near: Vec<&mut PairRow> = near.collect();
         let mut last = f64::INFINITY;
         for _ in 0..PASSES {
-            near.iter_mut().for_each(|row| row.relax(nodes));
-            near.iter_mut().rev().for_each(|row| row.relax(nodes));
-            let excess = near.iter().map(|row| self.excess(row, nodes)).fold(0.0, f64::max);
+            relax_forth_and_back(&mut near, nodes);
+            let excess = self.largest_excess(&near, nodes);
             if excess <= 0.0 || excess > IMPROVEMENT * last {
                 return;
             }

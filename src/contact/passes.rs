@@ -9,6 +9,7 @@ use super::deep::{DepthLimit, Progress};
 use super::nodes::{ContactNode, NodeTable, Weighted};
 use super::response::{ResponseParameters, Settling};
 use glam::DVec3;
+use std::borrow::BorrowMut;
 
 /// Mobility along the normal, over that along the freest axis, below which a pair cannot be opened.
 const LEAST_BLOCK: f64 = 1e-3;
@@ -82,8 +83,7 @@ struct Pass {
 impl Pass {
     fn over(rows: &mut [PairRow], nodes: &mut [ContactNode]) -> Self {
         let before = impulses(rows);
-        rows.iter_mut().for_each(|row| row.relax(nodes));
-        rows.iter_mut().rev().for_each(|row| row.relax(nodes));
+        relax_forth_and_back(rows, nodes);
         let impulses = impulses(rows);
         let change = difference(&impulses, &before);
         Self { impulses, change }
@@ -95,6 +95,12 @@ impl Pass {
         let largest_impulse = largest(&self.impulses);
         if largest_impulse > 0.0 { largest(&self.change) / largest_impulse } else { 0.0 }
     }
+}
+
+/// Solves pair by pair, in their order and back.
+pub(super) fn relax_forth_and_back(rows: &mut [impl BorrowMut<PairRow>], nodes: &mut [ContactNode]) {
+    rows.iter_mut().for_each(|row| row.borrow_mut().relax(nodes));
+    rows.iter_mut().rev().for_each(|row| row.borrow_mut().relax(nodes));
 }
 
 fn impulses(rows: &[PairRow]) -> Vec<DVec3> {
@@ -228,7 +234,7 @@ impl PairRow {
     }
 
     /// Solves the pair with all others held.
-    pub fn relax(&mut self, nodes: &mut [ContactNode]) {
+    fn relax(&mut self, nodes: &mut [ContactNode]) {
         let (normal, old) = (self.normal, self.impulse_n_s);
         let velocity = self.at.velocity(nodes);
         let (old_normal, opening_m_s) = (old.dot(normal), velocity.dot(normal));

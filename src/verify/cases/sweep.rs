@@ -86,8 +86,7 @@ impl Run<'_> {
             if tenths > told_tenths && tenths < 10 {
                 told_tenths = tenths;
                 let (percent, steps) = (10 * tenths, world.steps());
-                let at = format!("{percent} % after {steps} steps, {} pieces", sample.fragments);
-                (effort.tell)(&format!("{}, {}: {at}", self.scene, self.name()));
+                self.tell(effort, &format!("{percent} % after {steps} steps, {} pieces", sample.fragments));
             }
         });
         // A run that breaks off is a result like others; that somebody wants an end is not.
@@ -120,28 +119,31 @@ impl Run<'_> {
                     .within(1e-3, "what was pressed in a little may be, what fell through is not"),
             );
         }
-        (effort.tell)(&self.told(&world, duration_s, &all));
+        self.tell(effort, &told(&world, duration_s, &all));
         Ok(all)
     }
 
-    /// One line on a run, so that nobody has to wait for the others to learn how it ended.
-    fn told(&self, world: &World, duration_s: f64, quantities: &[Quantity]) -> String {
-        let short: Vec<_> = quantities
-            .iter()
-            .filter(|quantity| !quantity.passes())
-            .map(|quantity| format!("{} {:.1e}", quantity.name, quantity.value))
-            .collect();
-        let verdict =
-            if short.is_empty() { "passes".to_owned() } else { format!("falls short: {}", short.join("; ")) };
-        format!(
-            "{}, {}: {} of {duration_s} s, {} pieces after {} steps; {verdict}",
-            self.scene,
-            self.name(),
-            world.time_s(),
-            world.sample().fragments,
-            world.steps()
-        )
+    /// A line on this run, for whoever waits for it.
+    fn tell(&self, effort: &Effort, what: &str) {
+        (effort.tell)(&format!("{}, {}: {what}", self.scene, self.name()));
     }
+}
+
+/// How a run ended, so that nobody has to wait for the others to learn it.
+fn told(world: &World, duration_s: f64, quantities: &[Quantity]) -> String {
+    let short: Vec<_> = quantities
+        .iter()
+        .filter(|quantity| !quantity.passes())
+        .map(|quantity| format!("{} {:.1e}", quantity.name, quantity.value))
+        .collect();
+    let verdict =
+        if short.is_empty() { "passes".to_owned() } else { format!("falls short: {}", short.join("; ")) };
+    format!(
+        "{} of {duration_s} s, {} pieces after {} steps; {verdict}",
+        world.time_s(),
+        world.sample().fragments,
+        world.steps()
+    )
 }
 
 /// The strength that a criterion asks for first, Pa; `None` for a formula.
