@@ -31,8 +31,11 @@ const OBSTRUCTED: f64 = 0.5;
 /// Penetration, as a share of the local size, that is not pushed out between features of one body. The sides of a crack may
 /// interlock, so that one pair's way out is another's way in.
 const OWN_SLACK: f64 = 1e-4;
-/// Share of what is deeper that one step pushes out there.
+/// Share of what is deeper that one step pushes out there, where that is not faster than what counts as rest;
 const OWN_PUSH: f64 = 0.25;
+/// and the share that it pushes out however fast that is. Pairs within a body yield under their load (see `passes.rs`) and would sink
+/// deeper and deeper where what counts as rest is slower than that, as it is without gravity.
+const OWN_LEAST_PUSH: f64 = 0.01;
 
 /// Parameters of the response.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -242,15 +245,16 @@ fn store_impacts(
 pub fn set_targets(constraints: &mut [Constraint], table: &NodeTable, p: &ResponseParameters) {
     for (row, c) in constraints.iter_mut().enumerate() {
         let closing_m_s = -table.relative_start_velocity(row, &c.weights).dot(c.normal);
-        let is_own = c.is_own();
-        let slack_m = if is_own { OWN_SLACK * c.size_m } else { 0.0 };
         let mut touch_m_s = -c.gap_m / p.step_s;
-        if touch_m_s > 0.0 && is_own {
-            touch_m_s = OWN_PUSH * (touch_m_s - slack_m / p.step_s).max(0.0);
+        let mut gentle_m_s = p.rest_speed_m_s;
+        if touch_m_s > 0.0 && c.is_own() {
+            let out_m_s = (touch_m_s - OWN_SLACK * c.size_m / p.step_s).max(0.0);
+            touch_m_s = OWN_PUSH * out_m_s;
+            gentle_m_s = gentle_m_s.max(OWN_LEAST_PUSH * out_m_s);
         }
         if touch_m_s > 0.0 {
             // A penetration left over is pushed out gently: at once would throw the nodes apart.
-            touch_m_s = touch_m_s.min(p.rest_speed_m_s + 0.1 * closing_m_s.abs() + f64::MIN_POSITIVE);
+            touch_m_s = touch_m_s.min(gentle_m_s + 0.1 * closing_m_s.abs() + f64::MIN_POSITIVE);
         }
         c.target_m_s = touch_m_s;
     }
@@ -402,6 +406,32 @@ mod tests {
         let (_, report) = run(&mut c, DVec3::Z, 0.25, true);
         assert_eq!(c[0].impulse_n_s, DVec3::ZERO);
         assert_eq!(report.dissipated_j, 0.0);
+    }
+
+    #[test]
+    fn a_pair_of_one_body_bears_a_load_without_sinking() {
+        const LOAD_N_S: f64 = 0.5;
+        let mut c = pair(0.0, 0.0);
+        c[0].bodies = [0, 0];
+        c[0].nodes = std::array::from_fn(|i| (0, i as u32));
+        let mut speed_m_s = 0.0;
+        let mut deepest_m = 0.0_f64;
+        for _ in 0..4000 {
+            c[0].is_settled = false;
+            // The node itself does not fly at the patch: others push it.
+            let speeds_m_s = [speed_m_s, speed_m_s - 0.5 * LOAD_N_S].map(|v| DVec3::Z * v);
+            let mut table = NodeTable::new(&c, |id| match id.1 {
+                0 => ContactNode::new(id, speeds_m_s, DVec3::splat(0.5)),
+                _ => ContactNode::new(id, [DVec3::ZERO; 2], DVec3::ZERO),
+            });
+            set_targets(&mut c, &table, &parameters(true));
+            solve(&mut c, &mut table, &parameters(true));
+            speed_m_s = table.nodes[0].velocity_m_s.z;
+            c[0].gap_m += STEP_S * speed_m_s;
+            deepest_m = deepest_m.max(-c[0].gap_m);
+        }
+        assert!((c[0].impulse_n_s.z - LOAD_N_S).abs() < 0.01 * LOAD_N_S, "{}", c[0].impulse_n_s);
+        assert!(deepest_m < 5e-4, "{deepest_m}");
     }
 
     #[test]
