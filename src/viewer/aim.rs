@@ -26,6 +26,8 @@ pub struct Aim {
     pub kind: ThrowKind,
     /// Of which material.
     pub material: String,
+    /// Size over the usual one.
+    pub scale: f64,
     /// m/s.
     pub speed_m_s: f64,
     /// Spin about the axis across the throw, rad/s.
@@ -39,7 +41,7 @@ pub struct Aim {
     /// Counts the questions for what would be thrown.
     pub asks: u64,
     /// What was asked for last, and in which scene.
-    asked_for: Option<(ThrowKind, String, [u64; 3])>,
+    asked_for: Option<(Throw, [u64; 3])>,
     /// Whether the button still is down that drew a line before aiming ended: it turns no camera.
     pub is_spent: bool,
 }
@@ -50,6 +52,7 @@ impl Default for Aim {
             is_armed: false,
             kind: ThrowKind::Hammer,
             material: TOOL.to_owned(),
+            scale: 1.0,
             speed_m_s: 8.0,
             spin_rad_s: 0.0,
             drag: None,
@@ -105,18 +108,19 @@ impl Aim {
     pub fn foresight(&self) -> Throw {
         let placing =
             Placing::From { position_m: DVec3::ZERO, velocity_m_s: DVec3::ZERO, spin_rad_s: DVec3::ZERO };
-        Throw { kind: self.kind.clone(), material: self.material.clone(), placing }
+        self.of(self.kind.clone(), placing)
     }
 
     /// The same, where it is not known yet what that comes to in this scene; asks once.
     pub fn next_foresight(&mut self, snapshot: &Snapshot) -> Option<Throw> {
         let bodies = snapshot.body_names.len() as u64;
-        let wanted = (self.kind.clone(), self.material.clone(), [snapshot.opened, snapshot.built, bodies]);
+        let wanted = (self.foresight(), [snapshot.opened, snapshot.built, bodies]);
         let is_new =
             snapshot.scene.is_some() && self.drag.is_none() && self.asked_for.as_ref() != Some(&wanted);
         is_new.then(|| {
+            let throw = wanted.0.clone();
             self.asked_for = Some(wanted);
-            self.foresight()
+            throw
         })
     }
 
@@ -125,6 +129,11 @@ impl Aim {
     pub fn chosen<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Foreseen> {
         let foreseen = snapshot.foreseen.as_deref()?;
         (foreseen.throw == self.foresight()).then_some(foreseen)
+    }
+
+    /// A throw of this kind, of the material and the size that were chosen.
+    fn of(&self, kind: ThrowKind, placing: Placing) -> Throw {
+        Throw { kind, material: self.material.clone(), scale: self.scale, placing }
     }
 
     /// The path of the throw that the drag stands for, of a body that starts at a place, m; `None` when the drag is too short.
@@ -148,15 +157,12 @@ impl Aim {
     /// The throw along a path.
     #[must_use]
     pub fn throw(&self, path: &Path) -> Throw {
-        Throw {
-            kind: self.kind.clone(),
-            material: self.material.clone(),
-            placing: Placing::From {
-                position_m: path.start_m.as_dvec3(),
-                velocity_m_s: path.velocity_m_s.as_dvec3(),
-                spin_rad_s: self.spin_rad_s(path),
-            },
-        }
+        let placing = Placing::From {
+            position_m: path.start_m.as_dvec3(),
+            velocity_m_s: path.velocity_m_s.as_dvec3(),
+            spin_rad_s: self.spin_rad_s(path),
+        };
+        self.of(self.kind.clone(), placing)
     }
 
     /// The spin along a path, rad/s: rolling forwards.
@@ -169,8 +175,8 @@ impl Aim {
     /// The same body, dropped from above what a frame shows, in the picture if there is room.
     #[must_use]
     pub fn drop(&self, kind: ThrowKind, frame: &Frame, camera: &Camera, aspect: f32) -> Throw {
-        let placing = Placing::Above { top_m: top_m(frame, camera, aspect, kind.room_m(frame) as f32) };
-        Throw { kind, material: self.material.clone(), placing }
+        let room_m = kind.room_m(self.scale, frame) as f32;
+        self.of(kind, Placing::Above { top_m: top_m(frame, camera, aspect, room_m) })
     }
 }
 

@@ -307,6 +307,7 @@ mod tests {
         let throw = Throw {
             kind: ThrowKind::Ball,
             material: TOOL.to_owned(),
+            scale: 1.0,
             placing: Placing::Above { top_m: None },
         };
         Arc::new(Foreseen::new(1, &throw, DVec3::ZERO, &BodySetup::at_rest("it", mesh, rubber())))

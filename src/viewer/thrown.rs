@@ -67,6 +67,8 @@ pub struct Throw {
     pub kind: ThrowKind,
     /// Of which material of the scene; [`TOOL`] makes the one that never breaks. A copy has its own.
     pub material: String,
+    /// Size over that which suits the scene. A copy has its own.
+    pub scale: f64,
     /// From where.
     pub placing: Placing,
 }
@@ -96,10 +98,21 @@ impl ThrowKind {
         }
     }
 
-    /// How far it reaches from the middle of what it is dropped on, m.
+    /// Whether its size can be chosen.
     #[must_use]
-    pub fn room_m(&self, frame: &Frame) -> f64 {
-        SIZE_SHARE * typical_size_in(frame) * (self.reach_share() + OFF_SHARE)
+    pub fn is_scalable(&self) -> bool {
+        !matches!(self, Self::CopyOf(_))
+    }
+
+    /// Length of a hammer that goes with it, m, in a scene of bodies of such a size.
+    fn size_m(&self, scale: f64, typical_m: f64) -> f64 {
+        SIZE_SHARE * typical_m * if self.is_scalable() { scale } else { 1.0 }
+    }
+
+    /// How far it reaches from the middle of what it is dropped on, m, at this scale.
+    #[must_use]
+    pub fn room_m(&self, scale: f64, frame: &Frame) -> f64 {
+        self.size_m(scale, typical_size_in(frame)) * (self.reach_share() + OFF_SHARE)
     }
 
     /// The `shape` of a scene file.
@@ -149,7 +162,7 @@ pub fn scene_with_throw(
     scene: &Scene,
     world: &World,
 ) -> Result<(Scene, Entrance, String), String> {
-    let size_m = SIZE_SHARE * typical_size_m(world);
+    let size_m = throw.kind.size_m(throw.scale, typical_size_m(world));
     let kind = throw.kind.label().to_lowercase();
     // Each falls a little differently.
     let turn = number as f64 * 2.4;

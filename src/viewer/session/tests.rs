@@ -15,7 +15,7 @@ fn opened(scene: &str, overrides: &[&str]) -> Session {
 
 /// A body that falls from above.
 fn dropped(kind: ThrowKind) -> Throw {
-    Throw { kind, material: TOOL.to_owned(), placing: Placing::Above { top_m: Some(1e3) } }
+    Throw { kind, material: TOOL.to_owned(), scale: 1.0, placing: Placing::Above { top_m: Some(1e3) } }
 }
 
 /// Plays on to what is done again, stopped after every step.

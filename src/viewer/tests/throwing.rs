@@ -106,6 +106,13 @@ fn the_panel_tells_what_would_be_thrown_and_stands_still() {
     assert!(foreseen.mass_kg() > 0.0);
     let energy = crate::render::with_unit(energy_j, "J");
     assert!(window.query_by_label(&energy).is_some(), "{energy}");
+    let usual_kg = foreseen.mass_kg();
+    window.state_mut().aim.scale = 2.0;
+    wait(&mut window, "a larger hammer", |app| app.aim.chosen(&app.snapshot).is_some());
+    let app = window.state();
+    let larger_kg = app.aim.chosen(&app.snapshot).map_or(0.0, |foreseen| foreseen.mass_kg());
+    // Its sides are rounded to three digits.
+    assert!((larger_kg / usual_kg / 8.0 - 1.0).abs() < 0.02, "{larger_kg} {usual_kg}");
     let place = window.get_by_label("Undo").rect();
     press(&mut window, "Ball");
     assert_eq!(window.get_by_label("Undo: Ball thrown in").rect(), place);

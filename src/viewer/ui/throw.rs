@@ -14,6 +14,13 @@ const SPEED: Parameter = Parameter {
     range: 0.1..=500.0,
     is_logarithmic: true,
 };
+const SIZE: Parameter = Parameter {
+    label: "Size",
+    unit: "",
+    hint: "Times the size that suits the scene; small bodies make small steps",
+    range: 0.25..=4.0,
+    is_logarithmic: true,
+};
 const SPIN: Parameter = Parameter {
     label: "Spin",
     unit: "rad/s",
@@ -26,6 +33,9 @@ const SPIN: Parameter = Parameter {
 pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ui.add_enabled_ui(app.snapshot.run_error.is_none(), |ui| {
         choices(ui, app);
+        let hint = "A copy has the size of the body that it is a copy of";
+        let has_size = ui.add_enabled_ui(app.aim.kind.is_scalable(), |ui| SIZE.show(ui, &mut app.aim.scale));
+        has_size.response.on_disabled_hover_text(hint);
         SPEED.show(ui, &mut app.aim.speed_m_s);
         SPIN.show(ui, &mut app.aim.spin_rad_s);
         weight(ui, app, actions);
@@ -44,7 +54,10 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
 
 /// What it weighs and how hard it hits.
 fn weight(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
-    actions.extend(app.aim.next_foresight(&app.snapshot).map(Action::Foresee));
+    // Not while a slider moves: each answer takes building the scene.
+    if !ui.input(|input| input.pointer.any_down()) {
+        actions.extend(app.aim.next_foresight(&app.snapshot).map(Action::Foresee));
+    }
     let known = app.aim.chosen(&app.snapshot);
     let told = known.map(|foreseen| {
         let flight_m_s = glam::DVec3::X * app.aim.speed_m_s;
