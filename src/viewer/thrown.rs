@@ -98,15 +98,15 @@ impl ThrowKind {
         }
     }
 
-    /// Whether its size can be chosen.
+    /// Whether it has the material and the size of a body of the scene.
     #[must_use]
-    pub fn is_scalable(&self) -> bool {
-        !matches!(self, Self::CopyOf(_))
+    pub fn is_copy(&self) -> bool {
+        matches!(self, Self::CopyOf(_))
     }
 
     /// Length of a hammer that goes with it, m, in a scene of bodies of such a size.
     fn size_m(&self, scale: f64, typical_m: f64) -> f64 {
-        SIZE_SHARE * typical_m * if self.is_scalable() { scale } else { 1.0 }
+        SIZE_SHARE * typical_m * if self.is_copy() { 1.0 } else { scale }
     }
 
     /// How far it reaches from the middle of what it is dropped on, m, at this scale.

@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ui.add_enabled_ui(app.snapshot.run_error.is_none(), |ui| {
         choices(ui, app);
         let hint = "A copy has the size of the body that it is a copy of";
-        let has_size = ui.add_enabled_ui(app.aim.kind.is_scalable(), |ui| SIZE.show(ui, &mut app.aim.scale));
+        let has_size = ui.add_enabled_ui(!app.aim.kind.is_copy(), |ui| SIZE.show(ui, &mut app.aim.scale));
         has_size.response.on_disabled_hover_text(hint);
         SPEED.show(ui, &mut app.aim.speed_m_s);
         SPIN.show(ui, &mut app.aim.spin_rad_s);
@@ -93,7 +93,7 @@ fn choices(ui: &mut Ui, app: &mut App) {
         // Names of bodies may be longer than there is room.
         combo.response.on_hover_text(format!("What is thrown or dropped: {shown}"));
     });
-    let is_copy = matches!(aim.kind, ThrowKind::CopyOf(_));
+    let is_copy = aim.kind.is_copy();
     ui.add_enabled_ui(!is_copy, |ui| {
         row(ui, "Made of", |ui| {
             let scene = app.snapshot.scene.clone();
