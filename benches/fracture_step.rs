@@ -127,16 +127,18 @@ impl Looker {
     /// How many elements fail.
     fn look(&self) -> usize {
         let kinematics = ElementKinematics::Green;
-        let strained = self.elements.strained_stresses_pa(
+        let fails = |element: u32, cauchy_pa: &_| {
+            let measures = PrincipalStress::of(cauchy_pa).measures();
+            self.criterion.assess(&measures).is_ok_and(|found| found.fails()).then_some(element)
+        };
+        let failed = self.elements.judge_strained(
             &self.scratch,
             &self.positions_m,
             kinematics,
             Self::SAFE_STRAIN,
+            |_| true,
+            fails,
         );
-        let fails = |(_, cauchy_pa): &&_| {
-            let measures = PrincipalStress::of(cauchy_pa).measures();
-            self.criterion.assess(&measures).is_ok_and(|found| found.fails())
-        };
-        strained.iter().filter(fails).count()
+        failed.len()
     }
 }

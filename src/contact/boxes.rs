@@ -114,12 +114,18 @@ impl SurfaceBoxes {
 
     /// Takes the boxes of such triangles over into the hierarchy.
     fn refit(&mut self, has_changed: impl Fn(u32) -> bool) {
+        let mut leaves = Vec::new();
         for (leaf, triangle) in (0_u32..).zip(&self.triangle_of_leaf) {
             if let Some(triangle) = triangle.filter(|triangle| has_changed(*triangle)) {
                 self.bvh.insert_or_update_partially(self.boxes[triangle as usize], leaf, 0.0);
+                leaves.push(leaf);
             }
         }
-        self.bvh.refit(&mut BvhWorkspace::default());
+        if leaves.len() < self.triangle_of_leaf.len() / REFIT_WHOLE {
+            self.bvh.refit_partial(&[], &leaves);
+        } else {
+            self.bvh.refit(&mut BvhWorkspace::default());
+        }
     }
 
     fn put_around(&mut self, surface: &ContactSurface, ends_m: [&[DVec3]; 2]) {
@@ -244,5 +250,41 @@ impl SurfaceBoxes {
     }
 }
 
+/// The whole hierarchy is refitted where more of its leaves have changed than this share, as its inverse: going up from each of
+/// them costs about so many boxes.
+const REFIT_WHOLE: usize = 16;
 /// Triangles whose boxes one task makes.
 const BOXES_AT_ONCE: usize = 4096;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Surface;
+    use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+
+    #[test]
+    fn boxes_that_were_moved_alone_are_found_where_they_are() {
+        let shape = Shape::Box(BoxShape { size_m: DVec3::new(4.0, 3.0, 2.0) });
+        let meshing = Meshing { resolution: Resolution::Cells([12, 9, 6]), split: HexSplit::Six };
+        let mesh = shape.build(&meshing).unwrap();
+        let surface = ContactSurface::new(&Surface::of(&mesh.tets), &mesh.nodes_m);
+        let mut boxes = SurfaceBoxes::around(&surface, &mesh.nodes_m, 0.01);
+        let moved = surface.nodes[surface.nodes.len() / 2];
+        let is_moved = (0..mesh.nodes_m.len() as u32).map(|node| node == moved).collect();
+        let edges = surface.edges.iter().map(|edge| edge.nodes);
+        let numbers = Renumbering::unchanged(&surface.triangles, edges, is_moved);
+        let affected = numbers.affected_triangles().len();
+        assert!(affected > 0 && affected < surface.triangles.len() / REFIT_WHOLE);
+        let there_m = mesh.nodes_m[moved as usize] + DVec3::new(5.0, 6.0, 7.0);
+        boxes.move_affected(&surface, &numbers, |_| (there_m, DVec3::splat(0.02)));
+        for middle_m in mesh.nodes_m.iter().copied().step_by(5).chain([there_m]) {
+            let wanted = Aabb::from_half_extents(middle_m, DVec3::splat(0.1));
+            let mut found: Vec<u32> = boxes.overlapping(wanted).collect();
+            found.sort_unstable();
+            let all = 0..surface.triangles.len() as u32;
+            let overlapping: Vec<u32> = all.filter(|t| overlap(boxes.of_triangle(*t), &wanted)).collect();
+            assert_eq!(found, overlapping);
+        }
+        assert_eq!(boxes.overlapping(boxes.node_box(moved)).count(), affected);
+    }
+}

@@ -82,14 +82,17 @@ pub struct NodeTable {
 /// Stands for a node that has no place in a table.
 const NO_PLACE: u32 = u32::MAX;
 
+/// Body and node of each of the four.
+fn ids_of(c: &Constraint) -> [(u32, u32); 4] {
+    c.nodes.map(|(side, node)| (c.bodies[side as usize], node))
+}
+
 impl NodeTable {
     /// Collects the nodes of the constraints; `state` gives the node of a (body, node).
     #[must_use]
     pub fn new(constraints: &[Constraint], state: impl Fn((u32, u32)) -> ContactNode) -> Self {
-        let ids_of = |c: &Constraint| c.nodes.map(|(side, node)| (c.bodies[side as usize], node));
-        // By body and node: its place. Nodes are shared by many constraints, so that sorting each once is cheaper.
+        // By body and node: its place.
         let mut places: Vec<Vec<u32>> = Vec::new();
-        let mut ids: Vec<(u32, u32)> = Vec::new();
         for (body, node) in constraints.iter().flat_map(ids_of) {
             let [body, index] = [body, node].map(|number| number as usize);
             if places.len() <= body {
@@ -99,13 +102,14 @@ impl NodeTable {
             if of_body.len() <= index {
                 of_body.resize((index + 1).max(2 * of_body.len()), NO_PLACE);
             }
-            if std::mem::replace(&mut of_body[index], 0) == NO_PLACE {
-                ids.push((body as u32, node));
-            }
+            of_body[index] = 0;
         }
-        ids.sort_unstable();
-        for (place, (body, node)) in (0_u32..).zip(&ids) {
-            places[*body as usize][*node as usize] = place;
+        let mut ids: Vec<(u32, u32)> = Vec::new();
+        for (body, of_body) in (0_u32..).zip(&mut places) {
+            for (node, place) in (0_u32..).zip(of_body).filter(|(_, place)| **place != NO_PLACE) {
+                *place = ids.len() as u32;
+                ids.push((body, node));
+            }
         }
         let place = |(body, node): (u32, u32)| places[body as usize][node as usize];
         let rows = constraints.iter().map(|c| ids_of(c).map(place)).collect();
@@ -146,20 +150,27 @@ impl NodeTable {
         &self.predicted_m_s
     }
 
-    /// Velocity of a node before the response, m/s; `None` for a node that is not in the table.
+    /// Relative velocity before the response of a constraint that has no row, m/s; `others_m_s` gives the velocities of the nodes
+    /// (by body and node) that are not in the table.
     #[must_use]
-    pub fn predicted_of(&self, id: (u32, u32)) -> Option<DVec3> {
-        let at = self.nodes.binary_search_by(|n| (n.body, n.node).cmp(&id)).ok()?;
-        Some(self.predicted_m_s[at])
+    pub fn predicted_velocity_of(&self, c: &Constraint, others_m_s: impl Fn((u32, u32)) -> DVec3) -> DVec3 {
+        let velocity_m_s = |id: (u32, u32)| {
+            let at = self.nodes.binary_search_by_key(&id, |n| (n.body, n.node));
+            at.map_or_else(|_| others_m_s(id), |at| self.predicted_m_s[at])
+        };
+        let ids = ids_of(c);
+        Weighted { nodes: [0, 1, 2, 3], weights: c.weights }.sum(|corner| velocity_m_s(ids[corner]))
     }
 
-    /// Energy that the constraints' impulses took from the nodes and work that prescribed motion did, J.
+    /// Energy that the constraints' impulses took from the nodes and work that prescribed motion did, J. The weights are those
+    /// with which the impulses act.
     ///
     /// The impulse acts at the start of the step, on the velocity of that moment.
-    pub(super) fn balances(&self, constraints: &[Constraint]) -> (f64, f64) {
+    pub(super) fn balances(&self, constraints: &[Constraint], weights: &[[f64; 4]]) -> (f64, f64) {
         let (mut dissipated_j, mut prescribed_j) = (0.0, 0.0);
-        for (row, c) in constraints.iter().enumerate().filter(|(_, c)| c.impulse_n_s != DVec3::ZERO) {
-            for (node, weight) in self.rows[row].into_iter().zip(c.moment_free_weights()) {
+        let rows = constraints.iter().zip(weights).zip(&self.rows);
+        for ((c, weights), nodes) in rows.filter(|((c, _), _)| c.impulse_n_s != DVec3::ZERO) {
+            for (node, weight) in nodes.iter().copied().zip(*weights) {
                 let (at, node) = (node as usize, &self.nodes[node as usize]);
                 let midway_m_s = node.start_velocity_m_s + self.change_m_s(at) * 0.5;
                 let work = c.impulse_n_s * weight * midway_m_s;

@@ -258,10 +258,13 @@ impl PairRow {
     }
 }
 
-/// Moves the foot of a constraint's force so that the pair has no moment (see `constraint.rs`).
-pub(super) fn free_of_moment(row: &PairRow, c: &Constraint, nodes: &mut [ContactNode]) {
-    let weights = c.moment_free_weights();
-    if weights != c.weights {
+/// Moves the foot of a constraint's force to where its moment-free weights have it (see `constraint.rs`).
+pub(super) fn free_of_moment(
+    row: &PairRow,
+    (c, weights): (&Constraint, &[f64; 4]),
+    nodes: &mut [ContactNode],
+) {
+    if *weights != c.weights {
         let change = std::array::from_fn(|i| weights[i] - c.weights[i]);
         Weighted { weights: change, ..row.at }.apply(nodes, c.impulse_n_s);
     }

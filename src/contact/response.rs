@@ -11,13 +11,14 @@
 //! step, where positions and velocities belong to the same moment: the half step's prediction holds half a
 //! kick of elastic force already.
 
-use super::constraint::Constraint;
+use super::constraint::{Constraint, Feature};
 use super::first_guess::start;
 use super::groups::solve_by_group;
 use super::impact::{ImpactStore, rebound_speeds_m_s, share_of_blow};
 use super::nodes::NodeTable;
 use super::passes::{PairRow, free_of_moment, settle};
 use super::twins::TOGETHER;
+use crate::math::in_parts;
 use glam::DVec3;
 
 /// Passes after which a response that still penetrates gives up.
@@ -39,6 +40,9 @@ const OWN_TOO_DEEP: f64 = TOGETHER;
 /// Share of what is deeper still that one step pushes out however fast that is. Pairs within a body yield under their load (see
 /// `passes.rs`), and where that is faster than what counts as rest, as it may be without gravity, they would sink on and on.
 const OWN_LEAST_PUSH: f64 = 0.01;
+
+/// Pairs of which one task makes rows.
+const ROWS_AT_ONCE: usize = 512;
 
 /// Parameters of the response.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,12 +99,29 @@ pub struct ResponseReport {
 
 /// Puts constraints into an order that depends on where they are, not on how things are numbered.
 pub fn sort_by_place(constraints: &mut [Constraint]) {
-    constraints.sort_by_cached_key(|c| {
-        // Quantised so that round-off does not reorder places that are meant to be level.
-        let grid_m = 1e-5 * c.size_m;
-        let [x, y, z] = c.place_m.to_array().map(|x| (x / grid_m + 0.377).floor() as i64);
-        ([z, y, x], c.bodies, c.feature)
-    });
+    constraints.sort_by_cached_key(order_by_place);
+}
+
+/// Adds constraints, in any order, to some that are sorted by place, and keeps those so.
+pub fn merge_by_place(sorted: &mut Vec<Constraint>, mut added: Vec<Constraint>) {
+    sort_by_place(&mut added);
+    let before = std::mem::replace(sorted, Vec::with_capacity(sorted.len() + added.len()));
+    let mut added = added.into_iter().map(|c| (order_by_place(&c), c)).peekable();
+    for c in before {
+        let order = order_by_place(&c);
+        while let Some((_, first)) = added.next_if(|(of_added, _)| *of_added < order) {
+            sorted.push(first);
+        }
+        sorted.push(c);
+    }
+    sorted.extend(added.map(|(_, c)| c));
+}
+
+fn order_by_place(c: &Constraint) -> ([i64; 3], [u32; 2], Feature) {
+    // Quantised so that round-off does not reorder places that are meant to be level.
+    let grid_m = 1e-5 * c.size_m;
+    let [x, y, z] = c.place_m.to_array().map(|x| (x / grid_m + 0.377).floor() as i64);
+    ([z, y, x], c.bodies, c.feature)
 }
 
 /// Solves the constraints: sets their impulses, what they have stored, and the velocities in the table.
@@ -112,8 +133,7 @@ pub fn solve(
     table: &mut NodeTable,
     p: &ResponseParameters,
 ) -> ResponseReport {
-    let mut rows: Vec<PairRow> =
-        constraints.iter().enumerate().filter_map(|(i, c)| PairRow::new(i, c, table)).collect();
+    let mut rows = in_parts::filter_map(constraints, ROWS_AT_ONCE, |i, c| PairRow::new(i, c, table));
     let stored_before_j = stored_j(constraints);
     let mut settling = solve_by_group(&mut rows, &mut table.nodes, |rows, nodes| {
         if rows.iter().all(|row| row.is_settled) {
@@ -130,13 +150,14 @@ pub fn solve(
     {
         settling.passes = settling.passes.max(blow.passes);
     }
+    let weights = in_parts::map(constraints, ROWS_AT_ONCE, Constraint::moment_free_weights);
     for row in &rows {
-        free_of_moment(row, &constraints[row.index], &mut table.nodes);
+        free_of_moment(row, (&constraints[row.index], &weights[row.index]), &mut table.nodes);
     }
     if p.conserve_impact_energy {
-        store_impacts(&rows, constraints, table, (stored_before_j, p.rest_speed_m_s));
+        store_impacts(&rows, (constraints, &weights), table, (stored_before_j, p.rest_speed_m_s));
     }
-    let (dissipated_j, prescribed_work_j) = table.balances(constraints);
+    let (dissipated_j, prescribed_work_j) = table.balances(constraints, &weights);
     ResponseReport { settling, dissipated_j, prescribed_work_j }
 }
 
@@ -217,7 +238,7 @@ fn stored_j(constraints: &[Constraint]) -> f64 {
 /// Books what the normal impulses took from the motion with the pairs that took it.
 fn store_impacts(
     rows: &[PairRow],
-    constraints: &mut [Constraint],
+    (constraints, weights): (&mut [Constraint], &[[f64; 4]]),
     table: &NodeTable,
     (stored_before_j, rest_speed_m_s): (f64, f64),
 ) {
@@ -228,9 +249,9 @@ fn store_impacts(
         if normal_n_s <= 0.0 {
             continue;
         }
-        let weights = c.moment_free_weights();
-        let before_m_s = table.relative_start_velocity(row.index, &weights).dot(c.normal);
-        let after_m_s = before_m_s + table.relative_change(row.index, &weights).dot(c.normal);
+        let weights = &weights[row.index];
+        let before_m_s = table.relative_start_velocity(row.index, weights).dot(c.normal);
+        let after_m_s = before_m_s + table.relative_change(row.index, weights).dot(c.normal);
         let loss_j = -0.5 * normal_n_s * (before_m_s + after_m_s);
         let share = if c.may_bounce { bounce_share(-before_m_s, rest_speed_m_s) } else { 0.0 };
         c.stored = c.stored.after(loss_j, [-before_m_s, after_m_s], share);
@@ -296,7 +317,8 @@ pub fn apply_penalty(
         c.impulse_n_s = c.normal * normal_part + tangential;
         table.weighted(row, c.moment_free_weights()).apply(&mut table.nodes, c.impulse_n_s);
     }
-    let (dissipated_j, prescribed_work_j) = table.balances(constraints);
+    let weights: Vec<[f64; 4]> = constraints.iter().map(Constraint::moment_free_weights).collect();
+    let (dissipated_j, prescribed_work_j) = table.balances(constraints, &weights);
     let settling = Settling { passes: 1, ..Settling::default() };
     ResponseReport { settling, dissipated_j, prescribed_work_j }
 }
@@ -309,7 +331,7 @@ pub fn penalty_energy_j(constraints: &[Constraint], stiffness_n_m: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::constraint::{Feature, Geometry};
+    use super::super::constraint::Geometry;
     use super::super::nodes::ContactNode;
     use super::*;
 
@@ -361,6 +383,21 @@ mod tests {
     fn kinetic(table: &NodeTable) -> f64 {
         let energy = |n: &ContactNode| 0.5 * n.velocity_m_s.length_squared() / n.inverse_mass_per_kg.x;
         table.nodes.iter().filter(|n| n.inverse_mass_per_kg.x > 0.0).map(energy).sum()
+    }
+
+    #[test]
+    fn what_is_merged_lies_as_if_all_had_been_sorted() {
+        let at = |i: u32| Constraint {
+            place_m: DVec3::new(f64::from(i * 7 % 5), f64::from(i * 3 % 4), f64::from(i * 5 % 3)),
+            ..Constraint::blank(Feature::NodeOnPatch { node: i, triangle: 0 })
+        };
+        let mut all: Vec<Constraint> = (0..60).map(at).collect();
+        let mut merged = Vec::new();
+        for part in [&all[..23], &all[23..24], &[], &all[24..]] {
+            merge_by_place(&mut merged, part.to_vec());
+        }
+        sort_by_place(&mut all);
+        assert!(merged.iter().map(|c| c.feature).eq(all.iter().map(|c| c.feature)));
     }
 
     #[test]

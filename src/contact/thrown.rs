@@ -35,7 +35,8 @@ impl ThrownNodes {
     }
 
     /// Takes note of what the response has done so far: `changes_m` gives node and change of way (m) of both bodies, each of which
-    /// has `node_counts` nodes. Returns whether any change is larger than allowed; from then on twice as much is.
+    /// has `node_counts` nodes. What it has told of once it tells of again. Returns whether any change is larger than allowed; from
+    /// then on twice as much is.
     pub fn follow(&mut self, changes_m: [&[(u32, f64)]; 2], node_counts: [usize; 2]) -> bool {
         let most_m = |of: &[(u32, f64)]| of.iter().map(|x| x.1).fold(0.0, f64::max);
         let has_thrown = !self.nodes[0].is_empty();
@@ -46,12 +47,12 @@ impl ThrownNodes {
         let mut is_any_due = false;
         for ((nodes, changes_m), count) in self.nodes.iter_mut().zip(changes_m).zip(node_counts) {
             nodes.resize(count, still);
-            nodes.iter_mut().for_each(|node| node.is_due = false);
             for (node, change_m) in changes_m {
                 let node = &mut nodes[*node as usize];
                 node.change_m = *change_m;
-                if *change_m > node.allowed_m {
-                    (node.allowed_m, node.is_due) = (2.0 * change_m, true);
+                node.is_due = *change_m > node.allowed_m;
+                if node.is_due {
+                    node.allowed_m = 2.0 * change_m;
                     is_any_due = true;
                 }
             }

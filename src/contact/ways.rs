@@ -8,10 +8,13 @@
 
 use super::candidates::Candidates;
 use super::surface::ContactSurface;
+use crate::math::in_parts;
 use glam::DVec3;
 
 /// Triangles of a cluster at most.
 const CLUSTER_TRIANGLES: usize = 32;
+/// Clusters whose ways one task looks at.
+const CLUSTERS_AT_ONCE: usize = 256;
 const NONE: u32 = u32::MAX;
 
 /// The triangles of a surface in clusters of neighbours; pieces without a common node never share one.
@@ -144,12 +147,12 @@ impl Side {
     }
 
     /// Spheres of the values of the nodes of each cluster; `value` is given the place of the node and the node.
-    fn spheres(&self, value: impl Fn(usize, usize) -> DVec3) -> Vec<Sphere> {
-        let of_cluster = |range: &[usize]| {
-            let values = (range[0]..range[1]).map(|place| value(place, self.nodes[place] as usize));
-            Sphere::around(values)
-        };
-        self.starts.windows(2).map(of_cluster).collect()
+    fn spheres(&self, value: impl Fn(usize, usize) -> DVec3 + Sync) -> Vec<Sphere> {
+        let ends = &self.starts[1..];
+        in_parts::filter_map(ends, CLUSTERS_AT_ONCE, |cluster, end| {
+            let values = (self.starts[cluster]..*end).map(|place| value(place, self.nodes[place] as usize));
+            Some(Sphere::around(values))
+        })
     }
 
     /// Displacements since the last look.

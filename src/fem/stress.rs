@@ -55,29 +55,30 @@ impl ElementBatches {
         })
     }
 
-    /// Index and Cauchy stress (as [`Self::cauchy_stresses_pa`]) of the elements that may be strained by `sqrt(E : E) >=
-    /// strain`, ascending, found in the chunks where the last call of [`Self::forces`] met such a strain. Costs nothing
-    /// where it did not.
+    /// What `judge` makes of the index and the Cauchy stress (as [`Self::cauchy_stresses_pa`]) of the elements that are wanted
+    /// and may be strained by `sqrt(E : E) >= strain`, found in the chunks where the last call of [`Self::forces`] met such a
+    /// strain; in the order of the chunks, not of the elements. Costs nothing where it met none.
     #[must_use]
-    pub fn strained_stresses_pa(
+    pub fn judge_strained<R: Send>(
         &self,
         scratch: &ForceScratch,
         positions_m: &[DVec3],
         kinematics: ElementKinematics,
         strain: f64,
-    ) -> Vec<(u32, DMat3)> {
+        is_wanted: impl Fn(u32) -> bool + Sync,
+        judge: impl Fn(u32, &DMat3) -> Option<R> + Sync,
+    ) -> Vec<R> {
         let is_strained = |index: usize| scratch.largest_strain(index).is_none_or(|most| most >= strain);
-        let of_chunk = |(_, chunk): (usize, &Chunk)| -> Vec<(u32, DMat3)> {
-            let stress = |(element, gradients): (usize, [DVec3; 4])| {
+        let of_chunk = |(_, chunk): (usize, &Chunk)| -> Vec<R> {
+            let wanted = chunk.elements().filter(|(element, _)| is_wanted(*element as u32));
+            let judged = wanted.filter_map(|(element, gradients)| {
                 let at = self.stress_of(element, &gradients, positions_m, kinematics);
-                (element as u32, at.cauchy_pa(kinematics))
-            };
-            chunk.elements().map(stress).collect()
+                judge(element as u32, &at.cauchy_pa(kinematics))
+            });
+            judged.collect()
         };
         let chunks = self.chunks.par_iter().enumerate().filter(|(index, _)| is_strained(*index));
-        let mut stresses: Vec<_> = chunks.flat_map_iter(of_chunk).collect();
-        stresses.sort_unstable_by_key(|(element, _)| *element);
-        stresses
+        chunks.flat_map_iter(of_chunk).collect()
     }
 
     /// Strain energy of each element, J, in the caller's order.

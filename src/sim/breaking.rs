@@ -15,7 +15,7 @@ use crate::fracture::{
     Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, Growth, LimitsReached, NodeState,
     PrincipalStress, Propagation, Solid, StressMeasures,
 };
-use crate::math::{in_parts, symmetric_eigenvalues_estimate};
+use crate::math::symmetric_eigenvalues_estimate;
 use crate::mesh::Renumbering;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -279,26 +279,23 @@ impl Body {
         let (Some(breaking), Some(elasticity)) = (&self.breaking, &self.elasticity) else {
             return Ok(Vec::new());
         };
-        let strained = elasticity.elements.strained_stresses_pa(
+        // An element that waits (see `CrackPace`) keeps all of its nodes whole: its failure would change nothing.
+        let may_go_on = |element: u32| breaking.pace.may_crack(element, Growth::GoesOn, time_s);
+        let judge = |element: u32, cauchy_pa: &DMat3| {
+            let failure = breaking
+                .failure(element, cauchy_pa, &self.position_m)
+                .map_err(|error| SimError::Criterion { body: self.name.clone(), element, time_s, error });
+            failure.transpose().map(|failure| (element, failure))
+        };
+        let mut judged = elasticity.elements.judge_strained(
             &elasticity.scratch,
             &self.position_m,
             self.element_kinematics(),
             breaking.safe_strain,
+            may_go_on,
+            judge,
         );
-        // An element that waits (see `CrackPace`) keeps all of its nodes whole: its failure would change nothing.
-        let may_go_on = |element: u32| breaking.pace.may_crack(element, Growth::GoesOn, time_s);
-        let failure = |_, (element, cauchy_pa): &(u32, DMat3)| {
-            if !may_go_on(*element) {
-                return None;
-            }
-            let failure = breaking.failure(*element, cauchy_pa, &self.position_m).map_err(|error| {
-                SimError::Criterion { body: self.name.clone(), element: *element, time_s, error }
-            });
-            failure.transpose()
-        };
-        in_parts::filter_map(&strained, STRESSES_AT_ONCE, failure).into_iter().collect()
+        judged.sort_by_key(|(element, _)| *element);
+        judged.into_iter().map(|(_, failure)| failure).collect()
     }
 }
-
-/// Stresses that one task judges.
-const STRESSES_AT_ONCE: usize = 256;

@@ -6,8 +6,8 @@ use super::{ContactMethod, ContactParameters};
 use crate::contact::constraint::{Feature, Geometry};
 use crate::contact::nodes::{ContactNode, NodeTable};
 use crate::contact::response::{
-    ResponseParameters, ResponseReport, Settling, apply_penalty, penalty_energy_j, set_targets, solve,
-    sort_by_place,
+    ResponseParameters, ResponseReport, Settling, apply_penalty, merge_by_place, penalty_energy_j,
+    set_targets, solve, sort_by_place,
 };
 use crate::contact::{BodyView, CollisionList, Constraint, Near, PairDepths, PairView, ThrownNodes};
 use glam::DVec3;
@@ -67,18 +67,9 @@ impl ContactScene<'_> {
     }
 
     fn table(&self, constraints: &[Constraint]) -> NodeTable {
-        self.table_with(constraints, |_, v| v)
-    }
-
-    /// The table with half-step velocities that `half_of` may replace.
-    fn table_with(
-        &self,
-        constraints: &[Constraint],
-        half_of: impl Fn((u32, u32), DVec3) -> DVec3,
-    ) -> NodeTable {
         NodeTable::new(constraints, |id| {
             let (body, node) = (&self.bodies[id.0 as usize], id.1 as usize);
-            let half = half_of(id, body.velocity_m_s[node]);
+            let half = body.velocity_m_s[node];
             let inverse_mass = body.inverse_mass_per_kg[node];
             let kick = body.acceleration_m_s2[node] * (0.5 * self.step_s);
             let start = half - DVec3::select(inverse_mass.cmpgt(DVec3::ZERO), kick, DVec3::ZERO);
@@ -89,18 +80,19 @@ impl ContactScene<'_> {
     /// Whether an impulse along the normal can open a pair: not where the weight lies on nodes whose motion is prescribed,
     /// as at a crack that has doubled held nodes.
     fn can_open(&self, c: &Constraint) -> bool {
-        let share = |is_counted: &dyn Fn(DVec3) -> bool| -> f64 {
-            let nodes = c.nodes.iter().zip(&c.weights);
-            let counted = nodes.filter(|((side, node), _)| {
-                let body = &self.bodies[c.bodies[*side as usize] as usize];
-                is_counted(body.inverse_mass_per_kg[*node as usize])
-            });
-            counted.map(|(_, w)| w * w).sum()
-        };
-        let moves = |inverse_mass: DVec3| {
-            (inverse_mass * c.normal).dot(c.normal) > FREE_WEIGHT * inverse_mass.max_element()
-        };
-        !c.is_own() || share(&moves) > FREE_WEIGHT * share(&|_| true)
+        if !c.is_own() {
+            return true;
+        }
+        let (mut free, mut all) = (0.0, 0.0);
+        for ((side, node), weight) in c.nodes.iter().zip(&c.weights) {
+            let body = &self.bodies[c.bodies[*side as usize] as usize];
+            let inverse_mass = body.inverse_mass_per_kg[*node as usize];
+            if (inverse_mass * c.normal).dot(c.normal) > FREE_WEIGHT * inverse_mass.max_element() {
+                free += weight * weight;
+            }
+            all += weight * weight;
+        }
+        free > FREE_WEIGHT * all
     }
 
     /// Whether the constraint is a node of the finer body on the coarser one's patch.
@@ -241,11 +233,16 @@ fn solve_all(
     (look, found): (&mut Look, Vec<Constraint>),
     parameters: &ResponseParameters,
 ) -> (ResponseReport, Vec<Constraint>) {
-    let mut active = scene.without_redundant(found);
-    scene.list.recall_impulses(&mut active);
+    let mut added = scene.without_redundant(found);
+    let (mut active, mut known) = (Vec::new(), Vec::new());
     let (mut round, mut settling) = (0, Settling::default());
     loop {
-        sort_by_place(&mut active);
+        // The impulses found so far are the best guess for the next round, for the others those of the last step.
+        scene.list.recall_impulses(&mut added);
+        known.extend(added.iter().map(|c| (c.bodies, c.feature)));
+        // Stable, since that is fast with what is sorted for the most part.
+        known.sort();
+        merge_by_place(&mut active, added);
         scene.list.stores().hand_over(&mut active);
         let mut table = scene.table(&active);
         set_targets(&mut active, &table, parameters);
@@ -257,35 +254,27 @@ fn solve_all(
         if round >= MOST_ROUNDS {
             return (report, active);
         }
-        let mut added = still_closing(scene, look, &active, &table);
+        added = still_closing(scene, look, &known, &table);
         if added.is_empty() {
             return (report, active);
         }
         take_back(scene.bodies, &table);
-        // The impulses found so far are the best guess for the next round.
-        scene.list.recall_impulses(&mut added);
-        active.extend(added);
     }
 }
 
-/// Pairs that are not enforced and would penetrate with the velocities as they are now. Where the enforced pairs
-/// have taken away most of the approach already, what is left is only to be stopped, not to be bounced.
+/// Pairs that are not enforced (those that are known, which are sorted) and would penetrate with the velocities as they are now.
+/// Where the enforced pairs have taken away most of the approach already, what is left is only to be stopped, not to be bounced.
 fn still_closing(
     scene: &ContactScene,
     look: &mut Look,
-    active: &[Constraint],
+    known: &[([u32; 2], Feature)],
     corrected: &NodeTable,
 ) -> Vec<Constraint> {
-    let mut known: Vec<([u32; 2], Feature)> = active.iter().map(|c| (c.bodies, c.feature)).collect();
-    known.sort_unstable();
     look.renew(scene, corrected);
     let mut closing = look.find_closing(scene, |key| known.binary_search(&key).is_ok());
-    if closing.is_empty() {
-        return closing;
-    }
-    let predicted = scene.table_with(&closing, |id, v| corrected.predicted_of(id).unwrap_or(v));
-    for (row, c) in closing.iter_mut().enumerate() {
-        let before_m_s = -predicted.relative_velocity(row, &c.weights).dot(c.normal);
+    for c in &mut closing {
+        let others_m_s = |(body, node): (u32, u32)| scene.bodies[body as usize].velocity_m_s[node as usize];
+        let before_m_s = -corrected.predicted_velocity_of(c, others_m_s).dot(c.normal);
         c.may_bounce &= c.closing_m_s > 0.5 * before_m_s;
     }
     closing

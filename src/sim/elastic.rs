@@ -92,14 +92,13 @@ impl Body {
         if self.is_broken() {
             return self.damp_fragments(factor);
         }
-        let (centre, velocity, spin) = self.rigid_velocity();
-        let mut taken_j = 0.0;
-        let nodes = self.velocity_m_s.iter_mut().zip(&self.position_m).zip(&self.mass_kg);
-        for (((v, x), m), inverse) in nodes.zip(&self.inverse_mass_per_kg) {
-            let deforming = free_part(*v - velocity - spin.cross(*x - centre), *inverse);
-            taken_j += damp_node(v, deforming, *m, factor);
-        }
-        self.ledger.damped_j += taken_j;
+        let rigid = self.rigid_velocity();
+        let damp = |node: usize, v: &mut DVec3| {
+            let deforming_m_s = deforming_m_s(*v, rigid, self.position_m[node]);
+            let deforming_m_s = free_part(deforming_m_s, self.inverse_mass_per_kg[node]);
+            damp_node(v, deforming_m_s, self.mass_kg[node], factor)
+        };
+        self.ledger.damped_j += sum_over_nodes(&mut self.velocity_m_s, damp);
     }
 
     /// Damps each fragment by itself; those that supports hold, as a whole.
@@ -119,15 +118,13 @@ impl Body {
                 *motion = Default::default();
             }
         }
-        let mut taken_j = 0.0;
-        for ((((fragment, m), x), v), inverse) in
-            nodes().zip(&mut self.velocity_m_s).zip(&self.inverse_mass_per_kg)
-        {
-            let Some((centre, velocity, spin)) = motions.get(*fragment as usize) else { continue };
-            let deforming = free_part(*v - *velocity - spin.cross(*x - *centre), *inverse);
-            taken_j += damp_node(v, deforming, *m, factor);
-        }
-        self.ledger.damped_j += taken_j;
+        let damp = |node: usize, v: &mut DVec3| {
+            let Some(rigid) = motions.get(fragment_of_node[node] as usize) else { return 0.0 };
+            let deforming_m_s = deforming_m_s(*v, *rigid, self.position_m[node]);
+            let deforming_m_s = free_part(deforming_m_s, self.inverse_mass_per_kg[node]);
+            damp_node(v, deforming_m_s, self.mass_kg[node], factor)
+        };
+        self.ledger.damped_j += sum_over_nodes(&mut self.velocity_m_s, damp);
     }
 
     /// Largest speed of a surface node as seen from a frame that moves and turns along, m/s: nodes come nearer to each other
@@ -331,6 +328,12 @@ impl RigidSums {
     }
 }
 
+/// Velocity of a node at `position_m` without that of a rigid motion (centre, velocity and spin).
+fn deforming_m_s(velocity_m_s: DVec3, rigid: (DVec3, DVec3, DVec3), position_m: DVec3) -> DVec3 {
+    let (centre_m, rigid_m_s, spin_rad_s) = rigid;
+    velocity_m_s - rigid_m_s - spin_rad_s.cross(position_m - centre_m)
+}
+
 /// Lowers the deforming part of a node's velocity to `factor` of it. Returns the energy taken, J.
 fn damp_node(velocity_m_s: &mut DVec3, deforming_m_s: DVec3, mass_kg: f64, factor: f64) -> f64 {
     *velocity_m_s -= deforming_m_s * (1.0 - factor);
@@ -349,6 +352,19 @@ fn for_nodes(out: &mut [DVec3], with: &[DVec3], f: impl Fn(&mut DVec3, &DVec3) +
     } else {
         out.iter_mut().zip(with).for_each(|(o, w)| f(o, w));
     }
+}
+
+/// The sum, in the order of the nodes, of what `change` returns when it is given each node and its value.
+fn sum_over_nodes(values: &mut [DVec3], change: impl Fn(usize, &mut DVec3) -> f64 + Sync) -> f64 {
+    let nodes = |first: usize, values: &mut [DVec3]| -> Vec<f64> {
+        (first..).zip(values).map(|(node, value)| change(node, value)).collect()
+    };
+    if values.len() < PARALLEL_NODES {
+        return (0..).zip(values).fold(0.0, |sum, (node, value)| sum + change(node, value));
+    }
+    let chunks = values.par_chunks_mut(CHUNK).enumerate();
+    let of_chunks: Vec<Vec<f64>> = chunks.map(|(number, values)| nodes(number * CHUNK, values)).collect();
+    of_chunks.iter().flatten().fold(0.0, |sum, of_node| sum + of_node)
 }
 
 #[cfg(test)]

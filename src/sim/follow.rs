@@ -312,24 +312,29 @@ mod tests {
         assert_same(&within(&own, &boxes), &within(&own, &fresh));
         assert_same(&beside(&surface, &boxes), &beside(&surface, &fresh));
         assert_eq!(boxes.bounds(), fresh.bounds());
-        // Boxes of nodes that went on are moved alone: what was found without them, and what is near them now, is what a search of
-        // everything finds.
+        // Boxes of nodes that went on, many or few, are moved alone: what was found without them, and what is near them now, is
+        // what a search of everything finds.
         followed = within(&own, &boxes);
-        let flew = |n: usize| n % 7 == 3;
-        let flight =
-            |n: usize| if flew(n) { DVec3::new(0.3, -0.5, 0.1) * (n % 4) as f64 } else { DVec3::ZERO };
-        positions_m = positions_m.iter().enumerate().map(|(n, x)| *x + flight(n)).collect();
-        let edges = surface.edges.iter().map(|edge| edge.nodes);
-        let numbers =
-            Renumbering::unchanged(&surface.triangles, edges, (0..positions_m.len()).map(flew).collect());
-        let margin_m = |n: u32| DVec3::new(0.1, 0.2, 0.3) + 0.1 * f64::from(n % 3);
-        boxes.move_affected(&surface, &numbers, |n| (positions_m[n as usize], margin_m(n)));
-        let own =
-            OwnFeatures { surface: &surface, reference_m: solid.reference_m(), positions_m: &positions_m };
-        let before = followed.clone();
-        close.follow_within(&mut followed, (&own, &boxes), &numbers);
-        assert_same(&followed, &within(&own, &boxes));
-        assert_ne!(followed.node_on_second, before.node_on_second);
+        for every in [7, 97] {
+            let flew = |n: usize| n % every == 3;
+            let flight =
+                |n: usize| if flew(n) { DVec3::new(0.3, -0.5, 0.1) * (n % 4) as f64 } else { DVec3::ZERO };
+            positions_m = positions_m.iter().enumerate().map(|(n, x)| *x + flight(n)).collect();
+            let edges = surface.edges.iter().map(|edge| edge.nodes);
+            let numbers =
+                Renumbering::unchanged(&surface.triangles, edges, (0..positions_m.len()).map(flew).collect());
+            let margin_m = |n: u32| DVec3::new(0.1, 0.2, 0.3) + 0.1 * f64::from(n % 3);
+            boxes.move_affected(&surface, &numbers, |n| (positions_m[n as usize], margin_m(n)));
+            let own = OwnFeatures {
+                surface: &surface,
+                reference_m: solid.reference_m(),
+                positions_m: &positions_m,
+            };
+            let before = followed.clone();
+            close.follow_within(&mut followed, (&own, &boxes), &numbers);
+            assert_same(&followed, &within(&own, &boxes));
+            assert_ne!(followed.node_on_second, before.node_on_second);
+        }
         let counts = [&followed, &followed_beside].map(|c| [c.node_on_second.len(), c.edge_pairs.len()]);
         assert!(counts.as_flattened().iter().all(|count| *count > 20), "{counts:?}");
     }

@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use crate::contact::SurfaceBoxes;
-use crate::math::best_fit_rotation;
+use crate::math::{best_fit_rotation, in_parts};
 use crate::mesh::Renumbering;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -21,6 +21,8 @@ const SHARE: f64 = 0.4;
 const MOVED: f64 = 0.5;
 /// All boxes are renewed where more of the triangles are affected than this share, as its inverse.
 const MOST_AFFECTED: usize = 6;
+/// Nodes whose ways one task measures.
+const NODES_AT_ONCE: usize = 4096;
 
 /// Boxes around a body's shape, kept while it moves on as a whole and changes its shape but little. Those around nodes that
 /// have outrun them, as the splinters of a body that bursts do, are moved without the rest.
@@ -100,7 +102,7 @@ impl OwnBoxes {
             let way_m = change.taken_back(body.position_m[node as usize]) - built[node as usize];
             (way_m / (SHARE * self.boxes.margin_m(node))).length()
         };
-        let of_nodes = body.surface.nodes.iter().map(|n| (*n, share(*n))).collect();
+        let of_nodes = in_parts::map(&body.surface.nodes, NODES_AT_ONCE, |n| (*n, share(*n)));
         ChangeOfShape { of_nodes, ..change }
     }
 
