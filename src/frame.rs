@@ -160,6 +160,10 @@ pub struct FrameStatus {
     pub contact_pairs: usize,
     /// Connected pieces of the deformable bodies.
     pub fragments: usize,
+    /// Edges that cuts did not divide because a body has as many elements as it may.
+    pub edges_left_whole: u32,
+    /// Nodes at which a cut was left out because a fragment would have been too small.
+    pub nodes_left_whole: u32,
     /// Bodies at rest and skipped.
     pub sleeping_bodies: usize,
     /// Steps taken since the start.

@@ -10,6 +10,7 @@ mod console;
 mod criteria;
 mod failure;
 mod interrupt;
+mod limits;
 mod looking;
 mod output_folder;
 mod picture_output;

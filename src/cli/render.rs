@@ -7,12 +7,14 @@ use super::args::{CommonArgs, Size, parse_color_by, parse_duration, parse_factor
 use super::console::{Console, seconds};
 use super::failure::Failure;
 use super::interrupt;
+use super::limits;
 use super::looking::{CutChoice, parse_cut};
 use super::picture_output::{OutputKind, PictureSink, check_writable};
 use super::scene_source;
 use super::shot::{Shot, Studio};
 use super::stepping::{self, Arrival};
 use crate::export::png::{write_png, write_small_png};
+use crate::fracture::LimitsReached;
 use crate::frame::{ColorBy, Frame};
 use crate::render::{Framing, UnknownView, short};
 use crate::sim::World;
@@ -149,6 +151,7 @@ pub fn run(args: &RenderArgs, common: &CommonArgs, console: &Console) -> Result<
         args,
         frames: film.frames.len(),
         time_s: world.time_s(),
+        limits: world.fracture_limits_reached(),
         simulated_in_s,
         drawn_in_s: started.elapsed().as_secs_f64() - simulated_in_s,
     }
@@ -281,6 +284,7 @@ struct Report<'a> {
     args: &'a RenderArgs,
     frames: usize,
     time_s: f64,
+    limits: LimitsReached,
     simulated_in_s: f64,
     drawn_in_s: f64,
 }
@@ -307,6 +311,7 @@ impl Report<'_> {
             self.simulated_in_s,
             self.drawn_in_s,
         ))?;
+        limits::tell(self.limits, console)?;
         console.closing(format_args!("wrote `{output}`"))
     }
 

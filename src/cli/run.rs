@@ -4,6 +4,7 @@ use super::args::{CommonArgs, parse_duration, parse_time};
 use super::console::{Console, Progress, seconds};
 use super::failure::Failure;
 use super::interrupt;
+use super::limits;
 use super::output_folder::{self, HISTORY_FILE};
 use super::scene_source;
 use super::stepping::{self, Arrival};
@@ -240,28 +241,20 @@ impl Recorder {
             "largest energy balance error {:.3e} J, deepest penetration {:.3e} m",
             self.summary.largest_energy_balance_error_j, extremes.largest_penetration_m,
         ))?;
-        if self.summary.last.crack_area_m2 > 0.0 {
+        let has_cracked = self.summary.last.crack_area_m2 > 0.0;
+        if has_cracked {
             let (first, last) = (&self.summary.initial, &self.summary.last);
             console.closing(format_args!(
                 "broke from {} into {} pieces, {:.3e} m2 of cracks; {} elements became {}",
                 first.fragments, last.fragments, last.crack_area_m2, first.elements, last.elements,
             ))?;
         }
-        let reached = &self.summary.fracture_limits_reached;
-        if reached.elements > 0 {
+        if let (true, Some((body, step_s, floor_s))) = (has_cracked, self.world.step_and_its_floor_s()) {
             console.closing(format_args!(
-                "limit reached: a body has as many elements as it may (fracture.max_elements); {} cuts ran along \
-                 the faces there were",
-                reached.elements
+                "stable step of `{body}` as cut {step_s:.3e} s; no cut can bring it below {floor_s:.3e} s",
             ))?;
         }
-        if reached.fragments > 0 {
-            console.closing(format_args!(
-                "limit reached: {} cuts left out, their fragments would have been too small \
-                 (fracture.smallest_fragment)",
-                reached.fragments
-            ))?;
-        }
+        limits::tell(self.world.fracture_limits_reached(), console)?;
         let frames = match counts.vtu_frames {
             0 => String::new(),
             count => format!(", run.pvd ({count} frames)"),

@@ -136,11 +136,12 @@ pub struct CrackSummary {
 /// How often a limit kept a crack from going where it would.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FractureLimitsReached {
-    /// Cuts left out because a body has as many elements as it may.
+    /// Edges that cuts did not divide because a body has as many elements as it may; they ran along faces.
     pub elements: u32,
-    /// Cuts left out because a fragment would have been too small.
+    /// Nodes at which a cut was left out because a fragment would have been too small.
     pub fragments: u32,
-    /// Cuts put off because a crack would have run faster than it may.
+    /// Cuts put off because a crack would have run faster than it may, or another has relieved what lies beside it; counted at
+    /// every look for failure.
     pub waiting: u32,
 }
 

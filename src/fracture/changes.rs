@@ -63,9 +63,9 @@ pub struct NewFragment {
 pub struct LimitsReached {
     /// Bisections left out because the body has as many elements as it may.
     pub elements: u32,
-    /// Cuts that would have set free a fragment below the smallest size.
+    /// Nodes at which a cut was left out since it would have set free a fragment below the smallest size, each counted once.
     pub fragments: u32,
-    /// Nodes that had to wait because `may_crack` refused an element at them.
+    /// Nodes that had to wait because `may_crack` refused an element at them, counted at every call.
     pub waiting: u32,
 }
 

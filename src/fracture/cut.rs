@@ -69,7 +69,7 @@ impl Surgery<'_> {
         self.snap_near(&mut star);
         let mut loose = self.bisect_crossings(&mut star);
         let wanted = self.faces_between(&star);
-        let cracked = self.crack(wanted);
+        let cracked = self.crack(node, wanted);
         for face in &cracked {
             loose.extend(self.solid.face_nodes(face.above.0, face.above.1));
         }

@@ -106,20 +106,20 @@ struct Part {
 }
 
 impl Surgery<'_> {
-    /// Cracks these faces, unless that would set free a fragment that is too small; tells new
+    /// Cracks these faces of a cut at a node, unless that would set free a fragment that is too small; tells new
     /// fragments apart. Returns the faces that did crack.
-    pub(super) fn crack(&mut self, mut faces: Vec<CrackedFace>) -> Vec<CrackedFace> {
+    pub(super) fn crack(&mut self, node: u32, mut faces: Vec<CrackedFace>) -> Vec<CrackedFace> {
         let fragment_of = &self.solid.fragments.of_element;
         let fragment = |face: &CrackedFace| fragment_of[face.above.0 as usize];
         faces.sort_by_key(fragment);
         // More than one only where the mesh was given with a hinge.
         let groups: Vec<Vec<CrackedFace>> =
             faces.chunk_by(|a, b| fragment(a) == fragment(b)).map(<[CrackedFace]>::to_vec).collect();
-        groups.into_iter().flat_map(|group| self.crack_fragment(group)).collect()
+        groups.into_iter().flat_map(|group| self.crack_fragment(node, group)).collect()
     }
 
     /// The same for faces of one fragment.
-    fn crack_fragment(&mut self, mut faces: Vec<CrackedFace>) -> Vec<CrackedFace> {
+    fn crack_fragment(&mut self, node: u32, mut faces: Vec<CrackedFace>) -> Vec<CrackedFace> {
         let first_pair = self.solid.crack_pairs;
         for (pair, face) in (first_pair..).zip(&faces) {
             self.set_face(face.above, Face::Crack { pair, above: true });
@@ -132,7 +132,7 @@ impl Surgery<'_> {
                 self.divide(parts);
                 break;
             }
-            self.changes.limits.fragments += 1;
+            self.leave_whole(node);
             self.heal(&mut faces, &parts, &too_small);
         }
         self.number_pairs(first_pair, &faces);

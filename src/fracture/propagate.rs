@@ -171,12 +171,17 @@ impl<'a> Surgery<'a> {
         if fragment.elements < 2 * limits.smallest_fragment_elements
             || fragment.mass_kg < 2.0 * limits.smallest_fragment_kg
         {
-            self.changes.limits.fragments += 1;
+            self.leave_whole(node);
             return false;
         }
         let is_allowed = elements.iter().all(|&element| may_crack(element));
         self.changes.limits.waiting += u32::from(!is_allowed);
         is_allowed
+    }
+
+    /// Notes that a node is not cut since a fragment would be too small.
+    pub(super) fn leave_whole(&mut self, node: u32) {
+        self.changes.limits.fragments += u32::from(self.solid.left_whole.insert(node));
     }
 
     /// Notes that an element takes part in a cut.

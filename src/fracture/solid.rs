@@ -8,6 +8,7 @@
 use super::fragments::Fragments;
 use crate::mesh::{ElementShape, TET_FACES, TetMesh, signed_volume_m3};
 use glam::DVec3;
+use std::collections::BTreeSet;
 
 /// What lies behind a face of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,6 +116,8 @@ pub struct Solid {
     pub(super) touched_in_call: Vec<u32>,
     /// The call in which each node was last cut in vain; 0 for never.
     pub(super) vain_call: Vec<u32>,
+    /// Nodes at which a cut was left out for the sake of the smallest fragment.
+    pub(super) left_whole: BTreeSet<u32>,
 }
 
 impl Solid {
@@ -150,6 +153,7 @@ impl Solid {
             calls: 0,
             touched_in_call: vec![0; mesh.tets.len()],
             vain_call: vec![0; mesh.nodes_m.len()],
+            left_whole: BTreeSet::new(),
         })
     }
 

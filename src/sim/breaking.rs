@@ -3,7 +3,8 @@
 //! One body keeps all its fragments: elements and nodes are only ever added (see `follow`).
 //!
 //! Failure is looked for at the end of steps, as often as the fastest crack needs to cross half the smallest altitude of the
-//! mesh as given: between two looks no crack could have gone on. A look costs nothing where no chunk of elements is strained as
+//! mesh as given: between two looks no crack could have gone on. Slow cracks are looked for as often as those of half the shear
+//! wave speed: where they begin, stresses come and go with the waves. A look costs nothing where no chunk of elements is strained as
 //! much as the weakest material must be to fail (the force loop knows), else the stresses of those chunks.
 
 use super::body::Body;
@@ -19,7 +20,7 @@ use crate::math::symmetric_eigenvalues_estimate;
 use crate::mesh::Renumbering;
 use glam::{DMat3, DQuat, DVec3};
 
-/// Crack speed over the slowest shear wave's, when the scene does not say.
+/// Crack speed over that of the slowest shear wave in what breaks, when the scene does not say.
 const CRACK_SPEED_SHARE: f64 = 0.5;
 /// Time between looks for failure in crossings of the smallest altitude by the fastest crack.
 const LOOK_SHARE: f64 = 0.5;
@@ -52,8 +53,10 @@ pub(super) struct Breaking {
     /// By node: the fragment that it belongs to.
     fragment_of_node: Vec<u32>,
     pub crack_speed_m_s: f64,
-    /// The stable step of the body as cut, once it has been.
+    /// The stable step of the body as cut, once it has been,
     pub step_bound: Option<StepBound>,
+    /// and the shortest that cuts can make it, s.
+    pub step_floor_s: f64,
     /// Cracks that are opening.
     pub releases: Releases,
 }
@@ -87,11 +90,11 @@ impl Breaking {
         let altitude_share = parameters.smallest_altitude_share;
         let solid =
             Solid::new(&setup.mesh, &density, altitude_share).map_err(|error| fail(error.to_string()))?;
-        let crack_speed_m_s = parameters.crack_speed_m_s.unwrap_or_else(|| {
-            let shear_m_s = constants.iter().map(|c| (c.mu_pa / c.density_kg_m3).sqrt());
-            CRACK_SPEED_SHARE * shear_m_s.fold(f64::INFINITY, f64::min)
-        });
         let criteria: Vec<_> = setup.materials.iter().map(|m| m.fracture.clone()).collect();
+        let breakable = constants.iter().zip(&criteria).filter(|(_, criterion)| criterion.is_some());
+        let shear_m_s = breakable.map(|(c, _)| (c.mu_pa / c.density_kg_m3).sqrt());
+        let natural_speed_m_s = CRACK_SPEED_SHARE * shear_m_s.fold(f64::INFINITY, f64::min);
+        let crack_speed_m_s = parameters.crack_speed_m_s.unwrap_or(natural_speed_m_s);
         let safe_strains = criteria.iter().zip(&constants).filter_map(|(criterion, constants)| {
             Some(safe_strain(criterion.as_ref()?.safe_norm_pa(), constants, kinematics))
         });
@@ -101,7 +104,9 @@ impl Breaking {
             pace: CrackPace::new(crack_speed_m_s, parameters.crack_spacing_elements, solid.tets().len()),
             first_fragments: solid.fragments().list().len(),
             safe_strain,
-            look_every_s: LOOK_SHARE * solid.altitude_floor_m() / altitude_share / crack_speed_m_s,
+            look_every_s: LOOK_SHARE * solid.altitude_floor_m()
+                / altitude_share
+                / crack_speed_m_s.max(natural_speed_m_s),
             next_look_s: 0.0,
             crack_area_m2: 0.0,
             failure_times_s: vec![NEVER_FAILED_S; solid.tets().len()],
@@ -109,6 +114,7 @@ impl Breaking {
             fragment_of_node: (0..solid.node_count() as u32).map(|n| fragment_of_node(&solid, n)).collect(),
             crack_speed_m_s,
             step_bound: None,
+            step_floor_s: step_floor_s(solid.altitude_floor_m(), &constants),
             releases: Releases::default(),
             origin_material: setup.element_material.clone(),
             criteria,
@@ -232,6 +238,14 @@ fn propagation(solid: &Solid, parameters: &FractureParameters) -> Propagation {
     Propagation { rule: parameters.rule, limits, ..Propagation::default() }
 }
 
+/// The shortest stable step of the reference shape, s, that cuts can leave whose smallest altitude is `h`: 2 over the highest
+/// frequency that an element can have by itself. With a quarter of its mass at each node that is at most
+/// `omega^2 <= 4 c^2 sum_a |grad N_a|^2 <= 16 c^2 / h^2` (see `fem::stable_step`), `c` being the speed of longitudinal waves.
+fn step_floor_s(smallest_altitude_m: f64, constants: &[ElasticConstants]) -> f64 {
+    let wave_m_s = |c: &ElasticConstants| ((2.0 * c.mu_pa + c.lambda_pa.max(0.0)) / c.density_kg_m3).sqrt();
+    smallest_altitude_m / (2.0 * constants.iter().map(wave_m_s).fold(0.0, f64::max))
+}
+
 /// Largest strain `e = sqrt(E : E)` at which the Cauchy stress cannot have the given norm.
 fn safe_strain(norm_pa: f64, constants: &ElasticConstants, kinematics: Kinematics) -> f64 {
     let of_elements = kinematics.of_elements(DQuat::IDENTITY);
@@ -297,5 +311,37 @@ impl Body {
         );
         judged.sort_by_key(|(element, _)| *element);
         judged.into_iter().map(|(_, failure)| failure).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fracture::Strength;
+    use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+    use crate::sim::Material;
+
+    #[test]
+    fn cracks_are_as_fast_as_the_slowest_material_that_breaks_lets_them() {
+        let shape = Shape::Box(BoxShape { size_m: DVec3::new(2.0, 1.0, 1.0) });
+        let meshing = Meshing { resolution: Resolution::Cells([2, 1, 1]), split: HexSplit::Six };
+        let mesh = shape.build(&meshing).unwrap();
+        let brittle = |youngs_modulus_pa: f64| {
+            let criterion = Criterion::single(Strength::Tensile { tensile_strength_pa: 1e6 }).unwrap();
+            let elastic = Material::elastic("brittle", 1000.0, youngs_modulus_pa, 0.25);
+            Material { fracture: Some(criterion), ..elastic }
+        };
+        let speed_m_s = |second: Material| {
+            let mut setup = BodySetup::at_rest("two", mesh.clone(), brittle(1e9));
+            setup.element_material = (0..mesh.tets.len()).map(|e| u32::from(e >= 6)).collect();
+            setup.materials.push(second);
+            Breaking::new(&setup, &FractureParameters::default()).unwrap().unwrap().crack_speed_m_s
+        };
+        // Half of sqrt(mu / rho), mu = 0.4 E.
+        let expected_m_s = |youngs_modulus_pa: f64| 0.5 * (0.4 * youngs_modulus_pa / 1000.0).sqrt();
+        let of_rubber = speed_m_s(Material::elastic("rubber", 1000.0, 1e6, 0.25));
+        assert!((of_rubber / expected_m_s(1e9) - 1.0).abs() < 1e-12, "{of_rubber} m/s");
+        let of_two = speed_m_s(brittle(1e8));
+        assert!((of_two / expected_m_s(1e8) - 1.0).abs() < 1e-12, "{of_two} m/s");
     }
 }

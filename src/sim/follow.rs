@@ -1,5 +1,5 @@
 //! Following cuts: what a body keeps per node and element is brought up to date where it changed. Only the surface is found
-//! anew as a whole: it is small beside the body.
+//! anew as a whole, at a cost that goes with the body.
 
 use super::SimError;
 use super::body::{Body, PrescribedNode};
@@ -127,7 +127,8 @@ impl Body {
         }
     }
 
-    /// A force on a node that has been doubled is shared by mass.
+    /// A force on a node that has been doubled is shared by mass with its twin. Where a node parts into more than two, each twin in
+    /// turn takes its share of what is left.
     fn follow_loads(&mut self, changes: &Changes) {
         for (twin, birth) in (changes.first_node..).zip(&changes.new_nodes) {
             let NodeBirth::TwinOf(parent) = *birth else { continue };

@@ -144,6 +144,7 @@ impl World {
 
     fn status(&self) -> FrameStatus {
         let deformable = || self.bodies.iter().filter(|b| b.is_deformable());
+        let limits = self.fracture_limits_reached();
         FrameStatus {
             stage: self.last.stage.name().to_owned(),
             step_s: self.last.step_s,
@@ -151,6 +152,8 @@ impl World {
             nodes: deformable().map(|b| b.reference_m.len()).sum(),
             contact_pairs: self.last.contact_pairs as usize,
             fragments: self.fragments,
+            edges_left_whole: limits.elements,
+            nodes_left_whole: limits.fragments,
             sleeping_bodies: deformable().filter(|b| b.regime == Regime::Asleep).count(),
             steps: self.steps,
         }

@@ -221,6 +221,21 @@ impl World {
         }
     }
 
+    /// Of the body whose cuts have come nearest to the shortest step that they can make: its name, its stable step in the reference
+    /// shape, s, and that floor, s. `None` where nothing can break.
+    #[must_use]
+    pub fn step_and_its_floor_s(&self) -> Option<(&str, f64, f64)> {
+        let of = |body: &'_ Body| {
+            let floor_s = body.breaking.as_ref()?.step_floor_s;
+            Some((body.elasticity.as_ref()?.critical_step_s, floor_s))
+        };
+        let steps = self
+            .bodies
+            .iter()
+            .filter_map(|body| of(body).map(|(now, floor)| (body.name.as_str(), now, floor)));
+        steps.min_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))
+    }
+
     /// Limits of fracture that were reached so far, summed over the bodies.
     #[must_use]
     pub fn fracture_limits_reached(&self) -> LimitsReached {

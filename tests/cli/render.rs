@@ -16,6 +16,14 @@ fn a_moment_is_rendered_to_a_png() {
 }
 
 #[test]
+fn limits_that_cracks_reach_are_told() {
+    let place = Place::new();
+    let told = place
+        .succeed("render beam-notch -o beam.png --size 64x48 --set fracture.smallest_fragment=20 --at 2.58");
+    assert!(told.contains("limit reached: ") && told.contains("(fracture.smallest_fragment)"), "{told}");
+}
+
+#[test]
 fn a_moment_beyond_the_end_is_told_before_the_way_there() {
     let place = Place::new();
     let said = |line: &str| stderr(&place.run(line));

@@ -141,7 +141,11 @@ fn ctrl_c_keeps_what_was_written_and_says_so() {
 #[test]
 fn frames_tell_when_elements_failed() {
     let place = Place::new();
-    place.succeed("run beam-notch -o data --vtu --every 0.06");
+    let told = place.succeed("run beam-notch -o data --vtu --every 0.06");
+    assert!(told.contains("stable step of `beam` as cut"), "{told}");
+    assert!(!told.contains("limit reached"), "{told}");
+    let told = place.succeed("run beam-notch -o limited --set fracture.max_elements=32");
+    assert!(told.contains("limit reached: ") && told.contains("(fracture.max_elements)"), "{told}");
     let mut earlier: Vec<f64> = Vec::new();
     let mut frame = 0;
     while place.has(&format!("data/frames/frame-{frame:06}.vtu")) {

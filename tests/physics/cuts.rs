@@ -69,7 +69,10 @@ fn elements_followed_through_a_hundred_cuts_are_those_built_anew() {
     let mut elements =
         ElementBatches::new(&mesh.nodes_m, &mesh.tets, &constants(mesh.tets.len())).expect("sound");
     let mut bound = StepBound::new(&mut elements, &lumped_kg(&solid));
-    let (mut cuts, mut worst) = (0, f64::INFINITY);
+    // The shortest step of an element of the smallest altitude that cuts may leave.
+    let wave_m_s = ((STUFF.lambda_pa + 2.0 * STUFF.mu_pa) / STUFF.density_kg_m3).sqrt();
+    let floor_s = solid.altitude_floor_m() / (2.0 * wave_m_s);
+    let (mut cuts, mut worst, mut shortest_step_s) = (0, f64::INFINITY, bound.step_s());
     for attempt in 0..100 {
         let node = ((random(&mut seed) * 0.5 + 0.5) * solid.node_count() as f64) as u32;
         let normal = vector(&mut seed).normalize();
@@ -87,6 +90,7 @@ fn elements_followed_through_a_hundred_cuts_are_those_built_anew() {
         };
         bound.follow(&mut body, &changes.touched_nodes, of_elements);
         cuts += changes.cuts.len();
+        shortest_step_s = shortest_step_s.min(bound.step_s());
         if attempt % 20 != 19 {
             continue;
         }
@@ -118,5 +122,7 @@ fn elements_followed_through_a_hundred_cuts_are_those_built_anew() {
         worst = worst.min(bound.step_s() / exact_s);
     }
     println!("{cuts} cuts, {} elements; step at least {worst:.3} of the true one", solid.tets().len());
+    println!("shortest step {shortest_step_s:.3e} s, floor {floor_s:.3e} s");
+    assert!(shortest_step_s >= floor_s, "{shortest_step_s} s is below the floor of {floor_s} s");
     assert!(cuts > 60 && worst > 0.8);
 }

@@ -179,6 +179,39 @@ fn threads_do_not_matter() {
     assert!(one.1.len() > 54, "nothing broke");
 }
 
+/// So many elements, nodes and pairs of features that every loop that may be shared out among threads is.
+#[test]
+fn threads_do_not_matter_where_loops_are_shared_out() {
+    let run_on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut world = World::new(Scene::load("pane-shot", &[]).unwrap().setup).unwrap();
+            run(&mut world, 7e-4);
+            let cracks = world.sample().crack_area_m2;
+            (cracks, world.positions_m(1).to_vec(), world.velocities_m_s(1).to_vec(), world.tets(1).to_vec())
+        })
+    };
+    let one = run_on(1);
+    assert!(one.0 > 0.05, "{} m2 of cracks", one.0);
+    for threads in [2, 3] {
+        assert!(run_on(threads) == one, "{threads} threads make a difference");
+    }
+}
+
+/// However slowly cracks may run: what begins to break is seen.
+#[test]
+fn a_blow_cracks_what_may_crack_slowly_only() {
+    let area_m2 = |crack_speed_m_s| {
+        let mut setup = thrown_plate(tensile(STRENGTH_PA));
+        setup.fracture.crack_speed_m_s = crack_speed_m_s;
+        let mut world = World::new(setup).unwrap();
+        run(&mut world, 0.02);
+        world.sample().crack_area_m2
+    };
+    let (slow_m2, usual_m2) = (area_m2(Some(1e-3)), area_m2(None));
+    assert!(slow_m2 > 0.0 && slow_m2 < 0.5 * usual_m2, "{slow_m2} and {usual_m2} m2");
+}
+
 #[test]
 fn a_body_breaks_in_the_same_way_however_often_somebody_looks() {
     let state_after = |look_every_s: f64| {

@@ -90,6 +90,12 @@ fn limits_hold_and_are_reported() {
     let list = specimen.solid.fragments().list();
     assert!(list.iter().all(|fragment| fragment.elements >= 12), "{list:?}");
     assert!(list.len() > 1 && elements > 0 && fragments > 0, "{} {elements} {fragments}", list.len());
+    // A node that is left whole again and again counts once.
+    let left_whole: Vec<u32> = specimen.solid.left_whole.iter().copied().collect();
+    assert_eq!(left_whole.len(), fragments as usize);
+    for node in left_whole {
+        assert_eq!(specimen.cut(node, random.direction(), &settings).limits.fragments, 0);
+    }
 }
 
 #[test]

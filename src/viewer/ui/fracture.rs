@@ -3,6 +3,7 @@
 use super::style;
 use super::widgets::{Acts, LIST_HEIGHT, Parameter, badge, entry};
 use crate::fracture::PropagationRule;
+use crate::frame::FrameStatus;
 use crate::sim::FractureParameters;
 use crate::viewer::criterion_edit::{CriterionEdit, Failing};
 use egui::text::{CCursor, CharIndex};
@@ -54,7 +55,7 @@ const FRAGMENT: Parameter = Parameter {
 const CRACK_SPEED: Parameter = Parameter {
     label: "Fastest crack",
     unit: "m/s",
-    hint: "Half the speed of shear waves when nothing is chosen",
+    hint: "Half the speed of shear waves in what breaks when nothing is chosen",
     range: 0.1..=1e4,
     is_logarithmic: true,
 };
@@ -172,6 +173,25 @@ pub fn growth(ui: &mut Ui, parameters: &mut FractureParameters, base: &FractureP
     let hint = "Otherwise a node opens where two elements at it fail";
     if ui.checkbox(&mut single, "One failed element opens a node").on_hover_text(hint).changed() {
         parameters.rule = if single { PropagationRule::SingleElement } else { PropagationRule::TwoAtNode };
+    }
+}
+
+/// Says which limits cracks have reached by the moment that is simulated.
+pub fn limits_reached(ui: &mut Ui, status: &FrameStatus) {
+    let mut say = |text: String| {
+        ui.add(Label::new(RichText::new(text).small().weak()).wrap());
+    };
+    if status.nodes_left_whole > 0 {
+        say(format!(
+            "Limit reached: {} nodes stay whole, or a fragment were too small.",
+            status.nodes_left_whole
+        ));
+    }
+    if status.edges_left_whole > 0 {
+        say(format!(
+            "Limit reached: a body has its most elements; {} times cracks ran along faces.",
+            status.edges_left_whole
+        ));
     }
 }
 

@@ -49,6 +49,7 @@ pub fn show(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         if let Some(base) = &base {
             widgets::section(ui, "Cracks", |ui| {
                 fracture::growth(ui, &mut app.edits.fracture, &base.description.fracture);
+                fracture::limits_reached(ui, &app.snapshot.frame.status);
             });
         }
         widgets::section(ui, "Time", |ui| {

@@ -1,0 +1,24 @@
+//! What is said of limits that cracks have reached.
+
+use super::console::Console;
+use super::failure::Failure;
+use crate::fracture::LimitsReached;
+
+/// Says which of the limits that a user may set kept cracks from where they would have gone.
+pub fn tell(reached: LimitsReached, console: &Console) -> Result<(), Failure> {
+    if reached.elements > 0 {
+        console.closing(format_args!(
+            "limit reached: a body has as many elements as it may (fracture.max_elements); {} times a cut ran along the faces \
+             there were",
+            reached.elements
+        ))?;
+    }
+    if reached.fragments > 0 {
+        console.closing(format_args!(
+            "limit reached: {} nodes were not cut, their fragments would have been too small \
+             (fracture.smallest_fragment)",
+            reached.fragments
+        ))?;
+    }
+    Ok(())
+}
