@@ -18,6 +18,8 @@ const ALL: &[&str] = &[
     "beam-notch",
     "cube-wall",
     "plate-tensile",
+    "plate-mohr-coulomb",
+    "plate-tresca",
 ];
 
 pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> {
