@@ -183,13 +183,13 @@ pub fn limits_reached(ui: &mut Ui, status: &FrameStatus) {
     };
     if status.nodes_left_whole > 0 {
         say(format!(
-            "Limit reached: {} nodes stay whole, or a fragment were too small.",
+            "Limit reached: {} nodes were not cut, their fragments would be too small.",
             status.nodes_left_whole
         ));
     }
     if status.edges_left_whole > 0 {
         say(format!(
-            "Limit reached: a body has its most elements; {} times cracks ran along faces.",
+            "Limit reached: a body has as many elements as it may; {} times a cut ran along faces.",
             status.edges_left_whole
         ));
     }
