@@ -93,12 +93,12 @@ impl Body {
             return self.damp_fragments(factor);
         }
         let rigid = self.rigid_velocity();
-        let damp = |node: usize, v: &mut DVec3| {
-            let deforming_m_s = deforming_m_s(*v, rigid, self.position_m[node]);
-            let deforming_m_s = free_part(deforming_m_s, self.inverse_mass_per_kg[node]);
-            damp_node(v, deforming_m_s, self.mass_kg[node], factor)
-        };
-        self.ledger.damped_j += sum_over_nodes(&mut self.velocity_m_s, damp);
+        self.ledger.damped_j += damp_nodes(
+            &mut self.velocity_m_s,
+            (&self.position_m, &self.mass_kg, &self.inverse_mass_per_kg),
+            factor,
+            |_| Some(rigid),
+        );
     }
 
     /// Damps each fragment by itself; those that supports hold, as a whole.
@@ -106,8 +106,8 @@ impl Body {
         let Some(breaking) = &self.breaking else { return };
         let fragment_of_node = breaking.fragment_of_node();
         let mut rigid = vec![RigidSums::ZERO; breaking.solid.fragments().list().len()];
-        let nodes = || fragment_of_node.iter().zip(&self.mass_kg).zip(&self.position_m);
-        for (((fragment, m), x), v) in nodes().zip(&self.velocity_m_s) {
+        let nodes = fragment_of_node.iter().zip(&self.mass_kg).zip(&self.position_m);
+        for (((fragment, m), x), v) in nodes.zip(&self.velocity_m_s) {
             if let Some(sums) = rigid.get_mut(*fragment as usize) {
                 sums.add(*m, *x, *v);
             }
@@ -118,13 +118,12 @@ impl Body {
                 *motion = Default::default();
             }
         }
-        let damp = |node: usize, v: &mut DVec3| {
-            let Some(rigid) = motions.get(fragment_of_node[node] as usize) else { return 0.0 };
-            let deforming_m_s = deforming_m_s(*v, *rigid, self.position_m[node]);
-            let deforming_m_s = free_part(deforming_m_s, self.inverse_mass_per_kg[node]);
-            damp_node(v, deforming_m_s, self.mass_kg[node], factor)
-        };
-        self.ledger.damped_j += sum_over_nodes(&mut self.velocity_m_s, damp);
+        self.ledger.damped_j += damp_nodes(
+            &mut self.velocity_m_s,
+            (&self.position_m, &self.mass_kg, &self.inverse_mass_per_kg),
+            factor,
+            |node| motions.get(fragment_of_node[node] as usize).copied(),
+        );
     }
 
     /// Largest speed of a surface node as seen from a frame that moves and turns along, m/s: nodes come nearer to each other
@@ -318,7 +317,7 @@ impl RigidSums {
     }
 
     /// Centre, velocity and spin of the rigid motion with the same momenta.
-    fn motion(&self) -> (DVec3, DVec3, DVec3) {
+    fn motion(&self) -> RigidMotion {
         let Some(origin_m) = self.origin_m else { return Default::default() };
         let offset_m = self.moment_kg_m / self.mass_kg;
         // Parallel axes (Steiner).
@@ -328,16 +327,24 @@ impl RigidSums {
     }
 }
 
-/// Velocity of a node at `position_m` without that of a rigid motion (centre, velocity and spin).
-fn deforming_m_s(velocity_m_s: DVec3, rigid: (DVec3, DVec3, DVec3), position_m: DVec3) -> DVec3 {
-    let (centre_m, rigid_m_s, spin_rad_s) = rigid;
-    velocity_m_s - rigid_m_s - spin_rad_s.cross(position_m - centre_m)
-}
+/// Centre, velocity and spin.
+type RigidMotion = (DVec3, DVec3, DVec3);
 
-/// Lowers the deforming part of a node's velocity to `factor` of it. Returns the energy taken, J.
-fn damp_node(velocity_m_s: &mut DVec3, deforming_m_s: DVec3, mass_kg: f64, factor: f64) -> f64 {
-    *velocity_m_s -= deforming_m_s * (1.0 - factor);
-    0.5 * mass_kg * deforming_m_s.length_squared() * (1.0 - factor * factor)
+/// Lowers to `factor` of it what each node's velocity is beyond the rigid motion that it belongs to, if it does to any. Returns the
+/// energy taken, J.
+fn damp_nodes(
+    velocity_m_s: &mut [DVec3],
+    (position_m, mass_kg, inverse_mass_per_kg): (&[DVec3], &[f64], &[DVec3]),
+    factor: f64,
+    rigid_of: impl Fn(usize) -> Option<RigidMotion> + Sync,
+) -> f64 {
+    sum_over_nodes(velocity_m_s, |node, v| {
+        let Some((centre_m, rigid_m_s, spin_rad_s)) = rigid_of(node) else { return 0.0 };
+        let deforming_m_s = *v - rigid_m_s - spin_rad_s.cross(position_m[node] - centre_m);
+        let deforming_m_s = free_part(deforming_m_s, inverse_mass_per_kg[node]);
+        *v -= deforming_m_s * (1.0 - factor);
+        0.5 * mass_kg[node] * deforming_m_s.length_squared() * (1.0 - factor * factor)
+    })
 }
 
 /// A velocity without the axes along which the motion is prescribed.
@@ -356,14 +363,13 @@ fn for_nodes(out: &mut [DVec3], with: &[DVec3], f: impl Fn(&mut DVec3, &DVec3) +
 
 /// The sum, in the order of the nodes, of what `change` returns when it is given each node and its value.
 fn sum_over_nodes(values: &mut [DVec3], change: impl Fn(usize, &mut DVec3) -> f64 + Sync) -> f64 {
-    let nodes = |first: usize, values: &mut [DVec3]| -> Vec<f64> {
-        (first..).zip(values).map(|(node, value)| change(node, value)).collect()
-    };
     if values.len() < PARALLEL_NODES {
         return (0..).zip(values).fold(0.0, |sum, (node, value)| sum + change(node, value));
     }
-    let chunks = values.par_chunks_mut(CHUNK).enumerate();
-    let of_chunks: Vec<Vec<f64>> = chunks.map(|(number, values)| nodes(number * CHUNK, values)).collect();
+    let of_chunk = |(number, values): (usize, &mut [DVec3])| -> Vec<f64> {
+        (number * CHUNK..).zip(values).map(|(node, value)| change(node, value)).collect()
+    };
+    let of_chunks: Vec<Vec<f64>> = values.par_chunks_mut(CHUNK).enumerate().map(of_chunk).collect();
     of_chunks.iter().flatten().fold(0.0, |sum, of_node| sum + of_node)
 }
 
