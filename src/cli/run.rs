@@ -241,18 +241,17 @@ impl Recorder {
             "largest energy balance error {:.3e} J, deepest penetration {:.3e} m",
             self.summary.largest_energy_balance_error_j, extremes.largest_penetration_m,
         ))?;
-        let has_cracked = self.summary.last.crack_area_m2 > 0.0;
-        if has_cracked {
+        if self.summary.last.crack_area_m2 > 0.0 {
             let (first, last) = (&self.summary.initial, &self.summary.last);
             console.closing(format_args!(
                 "broke from {} into {} pieces, {:.3e} m2 of cracks; {} elements became {}",
                 first.fragments, last.fragments, last.crack_area_m2, first.elements, last.elements,
             ))?;
-        }
-        if let (true, Some((body, step_s, floor_s))) = (has_cracked, self.world.step_and_its_floor_s()) {
-            console.closing(format_args!(
-                "stable step of `{body}` as cut {step_s:.3e} s; no cut can bring it below {floor_s:.3e} s",
-            ))?;
+            if let Some((body, step_s, floor_s)) = self.world.step_and_its_floor_s() {
+                console.closing(format_args!(
+                    "stable step of `{body}` as cut {step_s:.3e} s; no cut can bring it below {floor_s:.3e} s",
+                ))?;
+            }
         }
         limits::tell(self.world.fracture_limits_reached(), console)?;
         let frames = match counts.vtu_frames {

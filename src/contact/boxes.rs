@@ -260,13 +260,11 @@ const BOXES_AT_ONCE: usize = 4096;
 mod tests {
     use super::*;
     use crate::mesh::Surface;
-    use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+    use crate::mesh::shapes::block;
 
     #[test]
     fn boxes_that_were_moved_alone_are_found_where_they_are() {
-        let shape = Shape::Box(BoxShape { size_m: DVec3::new(4.0, 3.0, 2.0) });
-        let meshing = Meshing { resolution: Resolution::Cells([12, 9, 6]), split: HexSplit::Six };
-        let mesh = shape.build(&meshing).unwrap();
+        let mesh = block([12, 9, 6]);
         let surface = ContactSurface::new(&Surface::of(&mesh.tets), &mesh.nodes_m);
         let mut boxes = SurfaceBoxes::around(&surface, &mesh.nodes_m, 0.01);
         let moved = surface.nodes[surface.nodes.len() / 2];
@@ -275,7 +273,7 @@ mod tests {
         let numbers = Renumbering::unchanged(&surface.triangles, edges, is_moved);
         let affected = numbers.affected_triangles().len();
         assert!(affected > 0 && affected < surface.triangles.len() / REFIT_WHOLE);
-        let there_m = mesh.nodes_m[moved as usize] + DVec3::new(5.0, 6.0, 7.0);
+        let there_m = mesh.nodes_m[moved as usize] + DVec3::new(50.0, 60.0, 70.0);
         boxes.move_affected(&surface, &numbers, |_| (there_m, DVec3::splat(0.02)));
         for middle_m in mesh.nodes_m.iter().copied().step_by(5).chain([there_m]) {
             let wanted = Aabb::from_half_extents(middle_m, DVec3::splat(0.1));

@@ -324,19 +324,17 @@ impl ClusterPair {
 mod tests {
     use super::*;
     use crate::mesh::Surface;
-    use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+    use crate::mesh::shapes::block;
 
-    /// A box and its surface.
-    fn block() -> (ContactSurface, Vec<DVec3>) {
-        let shape = Shape::Box(BoxShape { size_m: DVec3::new(4.0, 3.0, 2.0) });
-        let meshing = Meshing { resolution: Resolution::Cells([4, 3, 2]), split: HexSplit::Six };
-        let mesh = shape.build(&meshing).unwrap();
+    /// The surface of a box and its nodes.
+    fn surface_of_block() -> (ContactSurface, Vec<DVec3>) {
+        let mesh = block([4, 3, 2]);
         (ContactSurface::new(&Surface::of(&mesh.tets), &mesh.nodes_m), mesh.nodes_m)
     }
 
     #[test]
     fn every_feature_lies_in_its_cluster() {
-        let (surface, _) = block();
+        let (surface, _) = surface_of_block();
         let clusters = &surface.clusters;
         assert!(clusters.count() > 2);
         let mut triangles = clusters.order.clone();
@@ -357,7 +355,7 @@ mod tests {
 
     #[test]
     fn no_feature_makes_a_longer_way_than_its_clusters() {
-        let (surface, mut x) = block();
+        let (surface, mut x) = surface_of_block();
         let y: Vec<DVec3> = x.iter().map(|x| *x + DVec3::new(0.3, 0.2, 2.1)).collect();
         let mut all = Candidates::default();
         for triangle in 0..surface.triangles.len() as u32 {

@@ -29,6 +29,17 @@ pub(super) struct Sharing {
     largest: f64,
 }
 
+impl ElasticConstants {
+    /// A floor of [`ElementBatches::element_stable_steps_s`], s, for elements of this material whose smallest altitude `h` is not
+    /// below `altitude_m`: with a quarter of its mass at each node, an element's `omega^2` is at most
+    /// `4 c_p^2 sum_a |g_a|^2 <= 16 c_p^2 / h^2` (a negative lambda counts as none).
+    #[must_use]
+    pub fn stable_step_floor_s(&self, altitude_m: f64) -> f64 {
+        let stiffest = Self { lambda_pa: self.lambda_pa.max(0.0), ..*self };
+        altitude_m / (2.0 * stiffest.p_wave_speed_m_s())
+    }
+}
+
 impl ElementBatches {
     /// `2 / omega_max` of each element by itself in its reference shape, s, in the caller's order.
     ///

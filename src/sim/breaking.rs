@@ -99,6 +99,7 @@ impl Breaking {
             Some(safe_strain(criterion.as_ref()?.safe_norm_pa(), constants, kinematics))
         });
         let safe_strain = safe_strains.fold(f64::INFINITY, f64::min);
+        let step_floors_s = constants.iter().map(|c| c.stable_step_floor_s(solid.altitude_floor_m()));
         Ok(Some(Self {
             propagation: propagation(&solid, parameters),
             pace: CrackPace::new(crack_speed_m_s, parameters.crack_spacing_elements, solid.tets().len()),
@@ -114,7 +115,7 @@ impl Breaking {
             fragment_of_node: (0..solid.node_count() as u32).map(|n| fragment_of_node(&solid, n)).collect(),
             crack_speed_m_s,
             step_bound: None,
-            step_floor_s: step_floor_s(solid.altitude_floor_m(), &constants),
+            step_floor_s: step_floors_s.fold(f64::INFINITY, f64::min),
             releases: Releases::default(),
             origin_material: setup.element_material.clone(),
             criteria,
@@ -238,14 +239,6 @@ fn propagation(solid: &Solid, parameters: &FractureParameters) -> Propagation {
     Propagation { rule: parameters.rule, limits, ..Propagation::default() }
 }
 
-/// The shortest stable step of the reference shape, s, that cuts can leave whose smallest altitude is `h`: 2 over the highest
-/// frequency that an element can have by itself. With a quarter of its mass at each node that is at most
-/// `omega^2 <= 4 c^2 sum_a |grad N_a|^2 <= 16 c^2 / h^2` (see `fem::stable_step`), `c` being the speed of longitudinal waves.
-fn step_floor_s(smallest_altitude_m: f64, constants: &[ElasticConstants]) -> f64 {
-    let wave_m_s = |c: &ElasticConstants| ((2.0 * c.mu_pa + c.lambda_pa.max(0.0)) / c.density_kg_m3).sqrt();
-    smallest_altitude_m / (2.0 * constants.iter().map(wave_m_s).fold(0.0, f64::max))
-}
-
 /// Largest strain `e = sqrt(E : E)` at which the Cauchy stress cannot have the given norm.
 fn safe_strain(norm_pa: f64, constants: &ElasticConstants, kinematics: Kinematics) -> f64 {
     let of_elements = kinematics.of_elements(DQuat::IDENTITY);
@@ -318,14 +311,12 @@ impl Body {
 mod tests {
     use super::*;
     use crate::fracture::Strength;
-    use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+    use crate::mesh::shapes::block;
     use crate::sim::Material;
 
     #[test]
     fn cracks_are_as_fast_as_the_slowest_material_that_breaks_lets_them() {
-        let shape = Shape::Box(BoxShape { size_m: DVec3::new(2.0, 1.0, 1.0) });
-        let meshing = Meshing { resolution: Resolution::Cells([2, 1, 1]), split: HexSplit::Six };
-        let mesh = shape.build(&meshing).unwrap();
+        let mesh = block([2, 1, 1]);
         let brittle = |youngs_modulus_pa: f64| {
             let criterion = Criterion::single(Strength::Tensile { tensile_strength_pa: 1e6 }).unwrap();
             let elastic = Material::elastic("brittle", 1000.0, youngs_modulus_pa, 0.25);

@@ -242,7 +242,7 @@ mod tests {
     use crate::contact::candidates::{Candidates, between, within};
     use crate::contact::{CloseList, OwnFeatures, SurfaceBoxes};
     use crate::fracture::{NodeState, Propagation};
-    use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+    use crate::mesh::shapes::block;
 
     fn assert_same(followed: &Candidates, searched: &Candidates) {
         assert_eq!(followed.node_on_second, searched.node_on_second);
@@ -252,9 +252,7 @@ mod tests {
 
     #[test]
     fn surface_and_candidates_follow_a_crack_that_runs_through() {
-        let shape = Shape::Box(BoxShape { size_m: DVec3::new(4.0, 3.0, 3.0) });
-        let meshing = Meshing { resolution: Resolution::Cells([4, 3, 3]), split: HexSplit::Six };
-        let mesh = shape.build(&meshing).unwrap();
+        let mesh = block([4, 3, 3]);
         let mut solid = Solid::new(&mesh, &vec![1.0; mesh.tets.len()], 0.25).unwrap();
         let mut positions_m = mesh.nodes_m.clone();
         let mut velocities_m_s = vec![DVec3::ZERO; positions_m.len()];

@@ -225,14 +225,10 @@ impl World {
     /// shape, s, and that floor, s. `None` where nothing can break.
     #[must_use]
     pub fn step_and_its_floor_s(&self) -> Option<(&str, f64, f64)> {
-        let of = |body: &'_ Body| {
-            let floor_s = body.breaking.as_ref()?.step_floor_s;
-            Some((body.elasticity.as_ref()?.critical_step_s, floor_s))
-        };
-        let steps = self
-            .bodies
-            .iter()
-            .filter_map(|body| of(body).map(|(now, floor)| (body.name.as_str(), now, floor)));
+        let steps = self.bodies.iter().filter_map(|body| {
+            let (breaking, elasticity) = (body.breaking.as_ref()?, body.elasticity.as_ref()?);
+            Some((body.name.as_str(), elasticity.critical_step_s, breaking.step_floor_s))
+        });
         steps.min_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))
     }
 

@@ -70,8 +70,7 @@ fn elements_followed_through_a_hundred_cuts_are_those_built_anew() {
         ElementBatches::new(&mesh.nodes_m, &mesh.tets, &constants(mesh.tets.len())).expect("sound");
     let mut bound = StepBound::new(&mut elements, &lumped_kg(&solid));
     // The shortest step of an element of the smallest altitude that cuts may leave.
-    let wave_m_s = ((STUFF.lambda_pa + 2.0 * STUFF.mu_pa) / STUFF.density_kg_m3).sqrt();
-    let floor_s = solid.altitude_floor_m() / (2.0 * wave_m_s);
+    let floor_s = STUFF.stable_step_floor_s(solid.altitude_floor_m());
     let (mut cuts, mut worst, mut shortest_step_s) = (0, f64::INFINITY, bound.step_s());
     for attempt in 0..100 {
         let node = ((random(&mut seed) * 0.5 + 0.5) * solid.node_count() as f64) as u32;

@@ -4,15 +4,8 @@ use super::specimen::{Random, Specimen, area_m2, assert_sound};
 use crate::fracture::{
     Changes, CrackPace, Face, Failure, FractureLimits, Growth, NodeState, Propagation, PropagationRule,
 };
-use crate::mesh::TetMesh;
-use crate::mesh::shapes::{BoxShape, HexSplit, Meshing, Resolution, Shape};
+use crate::mesh::shapes::block;
 use glam::DVec3;
-
-fn bar(cells: [u32; 3]) -> TetMesh {
-    let size_m = DVec3::from_array(cells.map(f64::from));
-    let meshing = Meshing { resolution: Resolution::Cells(cells), split: HexSplit::Six };
-    Shape::Box(BoxShape { size_m }).build(&meshing).unwrap()
-}
 
 fn propagate(
     specimen: &mut Specimen,
@@ -57,7 +50,7 @@ fn a_crack_across_a_bar_leaves_two_pieces_and_a_plane_between_them() {
         (PropagationRule::SingleElement, 0.0),
         (PropagationRule::SingleElement, 0.4),
     ] {
-        let mut specimen = Specimen::new(&bar([9, 4, 4]), 0.25);
+        let mut specimen = Specimen::new(&block([9, 4, 4]), 0.25);
         let normal = DVec3::new(1.0, 0.1, slope).normalize();
         let limits = FractureLimits::for_body(&specimen.solid);
         let settings = Propagation { rule, limits, ..Propagation::default() };
@@ -108,7 +101,7 @@ fn crack_shape(specimen: &Specimen, point_m: DVec3, normal: DVec3) -> (f64, f64)
 
 #[test]
 fn a_single_failure_cracks_under_one_rule_and_not_under_the_other() {
-    let specimen = Specimen::new(&bar([3, 3, 3]), 0.25);
+    let specimen = Specimen::new(&block([3, 3, 3]), 0.25);
     let failures = [Failure { element: 81, normal: DVec3::X, index: 1.2 }];
     for (rule, expected) in [(PropagationRule::TwoAtNode, 0), (PropagationRule::SingleElement, 1)] {
         let mut specimen = specimen.clone();
@@ -122,7 +115,7 @@ fn a_single_failure_cracks_under_one_rule_and_not_under_the_other() {
 
 #[test]
 fn failures_of_a_node_are_averaged_with_signs_aligned_and_conjugates_kept_apart() {
-    let specimen = Specimen::new(&bar([3, 3, 3]), 0.25);
+    let specimen = Specimen::new(&block([3, 3, 3]), 0.25);
     let node = specimen.solid.tets()[81][0];
     let at_node = specimen.solid.elements_at(node).to_vec();
     // One family of normals with mixed signs, its mean along x; and the worst one, across it.
@@ -144,7 +137,7 @@ fn failures_of_a_node_are_averaged_with_signs_aligned_and_conjugates_kept_apart(
 fn one_call_goes_one_ring_and_touches_nothing_twice() {
     let mut random = Random(11);
     for rule in [PropagationRule::TwoAtNode, PropagationRule::SingleElement] {
-        let mut specimen = Specimen::new(&bar([6, 5, 4]), 0.25);
+        let mut specimen = Specimen::new(&block([6, 5, 4]), 0.25);
         let settings = Propagation { rule, ..Propagation::default() };
         for _ in 0..12 {
             let failures: Vec<Failure> = specimen
@@ -194,7 +187,7 @@ fn same_failures_same_result_whatever_their_order() {
 
 #[test]
 fn cracks_wait_for_their_pace_and_say_so() {
-    let mut specimen = Specimen::new(&bar([5, 4, 4]), 0.25);
+    let mut specimen = Specimen::new(&block([5, 4, 4]), 0.25);
     let mut pace = CrackPace::new(100.0, 0.0, specimen.solid.tets().len());
     let settings = Propagation::default();
     let seed =
@@ -222,7 +215,7 @@ fn cracks_wait_for_their_pace_and_say_so() {
 
 #[test]
 fn beside_a_crack_no_other_starts_until_the_news_has_arrived() {
-    let mut specimen = Specimen::new(&bar([9, 4, 4]), 0.25);
+    let mut specimen = Specimen::new(&block([9, 4, 4]), 0.25);
     let mut pace = CrackPace::new(100.0, 3.0, specimen.solid.tets().len());
     let at = |place_m: DVec3, specimen: &Specimen| {
         specimen.positions_m.iter().position(|x| x.distance(place_m) < 1e-9).unwrap() as u32
@@ -249,7 +242,7 @@ fn beside_a_crack_no_other_starts_until_the_news_has_arrived() {
 
 #[test]
 fn a_body_that_fails_all_over_breaks_into_shards_not_splinters() {
-    let mut specimen = Specimen::new(&bar([8, 6, 3]), 0.25);
+    let mut specimen = Specimen::new(&block([8, 6, 3]), 0.25);
     let limits = FractureLimits::for_body(&specimen.solid);
     let settings = Propagation { limits, ..Propagation::default() };
     let mut random = Random(9);

@@ -180,5 +180,13 @@ impl Check {
     }
 }
 
+/// A box of so many cells of one metre, each of six tetrahedra.
+#[cfg(test)]
+pub(crate) fn block(cells: [u32; 3]) -> TetMesh {
+    let shape = Shape::Box(BoxShape { size_m: glam::DVec3::from_array(cells.map(f64::from)) });
+    let meshing = Meshing { resolution: Resolution::Cells(cells), split: HexSplit::Six };
+    shape.build(&meshing).expect("a sound box")
+}
+
 #[cfg(test)]
 mod tests;
