@@ -6,6 +6,7 @@
 
 use super::nodes::ContactNode;
 use super::passes::{PairRow, relax_forth_and_back};
+use super::response::OWN_TOO_DEEP;
 use std::borrow::Borrow;
 
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
@@ -13,9 +14,9 @@ const PENETRATION_LEFT: f64 = 1e-4;
 /// Penetration within a body up to which no more passes are asked for, as a share of the local size.
 const OWN_PENETRATION_LEFT: f64 = 3e-4;
 /// Passes without improvement after which a response gives up: within a body, where the deep ones have had passes of their own,
-/// and some yield,
+/// and some yield, if none is much too deep,
 const OWN_STALLED: u32 = 3;
-/// and between bodies, where some may be in each other's way.
+/// and elsewhere, where some may be in each other's way or one node much lighter than those that it holds apart.
 const STALLED: u32 = 48;
 /// What counts as improvement of the excess depth.
 const IMPROVEMENT: f64 = 0.95;
@@ -99,7 +100,7 @@ impl Progress {
         } else {
             self.passes_since += 1;
         }
-        self.passes_since >= if is_own { OWN_STALLED } else { STALLED }
+        self.passes_since >= if is_own && excess < OWN_TOO_DEEP { OWN_STALLED } else { STALLED }
     }
 }
 
@@ -115,6 +116,13 @@ mod tests {
     const STEP_S: f64 = 1e-3;
     const LIMIT: DepthLimit = DepthLimit { step_s: STEP_S, is_own: true };
     const COUNT: u32 = 200;
+    const PARAMETERS: ResponseParameters = ResponseParameters {
+        step_s: STEP_S,
+        passes: 3,
+        tolerance: 1e-4,
+        conserve_impact_energy: false,
+        rest_speed_m_s: 0.0,
+    };
 
     /// Pairs of one body in a row: each node on a patch of the next three.
     fn in_a_row(count: u32) -> Vec<Constraint> {
@@ -129,9 +137,12 @@ mod tests {
         (0..count).map(pair).collect()
     }
 
-    /// The pairs and their nodes, of which one comes down.
-    fn with_a_falling_node(falling: u32, mass_kg: impl Fn(u32) -> f64) -> (Vec<PairRow>, NodeTable) {
-        let pairs = in_a_row(COUNT);
+    /// So many pairs and their nodes, of which one comes down.
+    fn with_a_falling_node(
+        (count, falling): (u32, u32),
+        mass_kg: impl Fn(u32) -> f64,
+    ) -> (Vec<PairRow>, NodeTable) {
+        let pairs = in_a_row(count);
         let table = NodeTable::new(&pairs, |id| {
             let velocity_m_s = if id.1 == falling { DVec3::NEG_Z * 2.0 } else { DVec3::ZERO };
             ContactNode::new(id, [velocity_m_s; 2], DVec3::splat(1.0 / mass_kg(id.1)))
@@ -142,7 +153,7 @@ mod tests {
 
     #[test]
     fn what_is_too_deep_is_mended_and_what_is_far_from_it_is_left_alone() {
-        let (mut rows, mut table) = with_a_falling_node(100, |_| 2.0);
+        let (mut rows, mut table) = with_a_falling_node((COUNT, 100), |_| 2.0);
         let excess = LIMIT.largest_excess(&rows, &table.nodes);
         assert!((excess - (2.0 * STEP_S - 3e-4)).abs() < 1e-12, "{excess}");
         LIMIT.relax_around_deep(&mut rows, &mut table.nodes);
@@ -160,24 +171,31 @@ mod tests {
     fn a_few_that_are_in_each_others_way_do_not_hold_up_the_rest() {
         // A heavy node on light ones: an impulse finds its way through them slowly.
         let heavy = |node: u32| if node == 100 { 1e3 } else { 1.0 };
-        let (mut rows, mut table) = with_a_falling_node(100, heavy);
-        let parameters = ResponseParameters {
-            step_s: STEP_S,
-            passes: 3,
-            tolerance: 1e-4,
-            conserve_impact_energy: false,
-            rest_speed_m_s: 0.0,
-        };
-        let settling = settle(&mut rows, &mut table.nodes, (&parameters, 400));
+        let (mut rows, mut table) = with_a_falling_node((COUNT, 100), heavy);
+        let settling = settle(&mut rows, &mut table.nodes, (&PARAMETERS, 400));
         assert_eq!(LIMIT.largest_excess(&rows, &table.nodes), 0.0);
         assert!(settling.passes < 10, "{}", settling.passes);
     }
 
     #[test]
+    fn light_nodes_between_heavy_ones_get_the_passes_that_they_need() {
+        let light_between = |node: u32| if node % 2 == 1 { 1e-3 } else { 1.0 };
+        let (mut rows, mut table) = with_a_falling_node((8, 2), light_between);
+        settle(&mut rows, &mut table.nodes, (&PARAMETERS, 400));
+        let excess = LIMIT.largest_excess(&rows, &table.nodes);
+        // What is left is what pairs within a body yield.
+        assert!(excess < 1.2 * OWN_TOO_DEEP, "{excess}");
+    }
+
+    #[test]
     fn passes_stall_when_they_improve_nothing() {
-        let mut progress = Progress::default();
-        assert!((0..4).all(|i| !progress.has_stalled(0.8_f64.powi(i), true)));
-        let stalled = (0..4).position(|_| progress.has_stalled(0.5, true));
-        assert_eq!(stalled, Some(OWN_STALLED as usize - 1));
+        let stalled_after = |excess: f64, is_own: bool| {
+            let mut progress = Progress::default();
+            assert!((0..4).all(|i| !progress.has_stalled(2.0 * excess * 0.8_f64.powi(i), is_own)));
+            (1..100).find(|_| progress.has_stalled(1.1 * excess, is_own))
+        };
+        assert_eq!(stalled_after(0.5 * OWN_TOO_DEEP, true), Some(OWN_STALLED));
+        assert_eq!(stalled_after(2.0 * OWN_TOO_DEEP, true), Some(STALLED));
+        assert_eq!(stalled_after(0.5 * OWN_TOO_DEEP, false), Some(STALLED));
     }
 }

@@ -36,7 +36,7 @@ const OWN_SLACK: f64 = 1e-4;
 /// Share of what is deeper that one step pushes out there, where that is no faster than what counts as rest.
 const OWN_PUSH: f64 = 0.25;
 /// Penetration within a body, as a share of the local size, that is too much.
-const OWN_TOO_DEEP: f64 = TOGETHER;
+pub(super) const OWN_TOO_DEEP: f64 = TOGETHER;
 /// Share of what is deeper still that one step pushes out however fast that is. Pairs within a body yield under their load (see
 /// `passes.rs`), and where that is faster than what counts as rest, as it may be without gravity, they would sink on and on.
 const OWN_LEAST_PUSH: f64 = 0.01;
