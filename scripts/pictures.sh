@@ -39,7 +39,9 @@ scene_pictures() {
     done
     for criterion in tensile mohr-coulomb tresca; do
         say "rendering plate-$criterion-fine"
-        cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion.png" --at 0.457 --size 480x300 --no-caption
+        cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion.png" --at 0.461 --size 480x300 --no-caption
+        cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion-cut.png" --at 0.461 --size 480x200 --no-caption \
+            --camera section --cut y
     done
     say "rendering pile-press-fine"
     cargo run --locked --quiet -- render pile-press-fine -o assets/pictures/pile-band.png --at 0.2155 --size 300x480 --no-caption

@@ -1,7 +1,7 @@
 //! The list of cases.
 
 use super::cases::{
-    beams, criteria, fracture, impact, incline, kinematics, patch, penalty, pile, rods, scenes, spin,
+    beams, criteria, fracture, impact, incline, kinematics, patch, penalty, pile, plates, rods, scenes, spin,
     squeeze, sweep, waves,
 };
 use super::{CaseError, Effort, Plot, Quantity};
@@ -110,6 +110,7 @@ pub const CASES: &[Case] = &[
     case("pile-press", "planes on which a pressed pile fails", pile::measure_planes),
     slow(case("pile-band", "the band that goes through a pressed pile", pile::measure_band)),
     slow(case("pile-split", "the crack that runs along a pile", pile::measure_split)),
+    slow(case("plates", "how the cracks of three plates lie", plates::measure)),
     case("spall", "a bar under sudden tension at both ends", fracture::measure_spall),
     case("penalty", "penalty springs against Lagrange multipliers", penalty::measure),
     sweep!("bar-torn"),

@@ -1,12 +1,16 @@
-//! What the cracks of a body look like: how steep they stand, and the plane of the largest of them.
+//! What the cracks of a body look like: how steep they stand, and the plane of the largest of them; on which planes elements fail.
 
+use super::CaseError;
 use super::cases::patch::outer_product;
+use crate::fracture::{Criterion, PrincipalStress};
 use crate::math::{DisjointSets, symmetric_eigen};
 use crate::sim::World;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// One side of a cracked face, in the body's reference shape.
+#[derive(Clone)]
 struct CrackTriangle {
     corners_m: [DVec3; 3],
     area_m2: f64,
@@ -19,6 +23,10 @@ impl CrackTriangle {
         let area_normal = 0.5 * (b - a).cross(c - a);
         let area_m2 = area_normal.length();
         Self { corners_m, area_m2, normal: area_normal / area_m2 }
+    }
+
+    fn centre_m(&self) -> DVec3 {
+        self.corners_m.iter().sum::<DVec3>() / 3.0
     }
 }
 
@@ -44,8 +52,28 @@ impl Cracks {
 
     /// Mean angle between the crack faces' planes and the horizontal, by area, degrees. NaN without a crack.
     pub fn mean_steepness_deg(&self) -> f64 {
-        let area_m2: f64 = self.triangles.iter().map(|t| t.area_m2).sum();
-        self.triangles.iter().map(|t| t.area_m2 * steepness_deg(t.normal)).sum::<f64>() / area_m2
+        let weighted = self.triangles.iter().map(|t| t.area_m2 * steepness_deg(t.normal));
+        weighted.sum::<f64>() / self.area_m2()
+    }
+
+    /// Those whose planes stand at an angle of the range to the horizontal, degrees.
+    pub fn at(&self, steepness: Range<f64>) -> Self {
+        let stands_so = |t: &&CrackTriangle| steepness.contains(&steepness_deg(t.normal));
+        Self { triangles: self.triangles.iter().filter(stands_so).cloned().collect() }
+    }
+
+    /// Those that fall away from an upright axis.
+    pub fn falling_away_from(&self, axis_m: DVec2) -> Self {
+        let falls = |t: &&CrackTriangle| {
+            let outward = t.centre_m().truncate() - axis_m;
+            t.normal.truncate().dot(outward) * t.normal.z > 0.0
+        };
+        Self { triangles: self.triangles.iter().filter(falls).cloned().collect() }
+    }
+
+    /// Area, both sides counted, m2.
+    pub fn area_m2(&self) -> f64 {
+        self.triangles.iter().map(|t| t.area_m2).sum()
     }
 
     /// The largest crack; `None` without any.
@@ -55,8 +83,7 @@ impl Cracks {
             return None;
         }
         let area_m2: f64 = set.iter().map(|t| t.area_m2).sum();
-        let centre = |t: &CrackTriangle| t.corners_m.iter().sum::<DVec3>() / 3.0;
-        let middle_m = set.iter().map(|t| centre(t) * t.area_m2).sum::<DVec3>() / area_m2;
+        let middle_m = set.iter().map(|t| t.centre_m() * t.area_m2).sum::<DVec3>() / area_m2;
         // The second moment of a triangle: area/12 (sum of x x^T over its corners + s s^T), s their sum.
         let moment = set.iter().fold(DMat3::ZERO, |sum, t| {
             let at = t.corners_m.map(|x| x - middle_m);
@@ -106,6 +133,29 @@ impl Band {
     }
 }
 
+/// The elements of a body that fail now by a criterion, and the unit normals of the planes on which they do.
+pub(super) fn failing_planes(
+    world: &World,
+    body: usize,
+    criterion: &Criterion,
+) -> Result<Vec<(usize, DVec3)>, CaseError> {
+    let plane = |(element, cauchy_pa)| {
+        let stress = PrincipalStress::of(&cauchy_pa);
+        let found = match criterion.assess(&stress.measures()) {
+            Ok(found) => found,
+            Err(error) => return Some(Err(CaseError::Unmeasured(error.to_string()))),
+        };
+        found.fails().then(|| Ok((element, criterion.normal(found.rule, &stress, None))))
+    };
+    world
+        .element_stresses(body)
+        .iter()
+        .map(|element| element.cauchy_pa)
+        .enumerate()
+        .filter_map(plane)
+        .collect()
+}
+
 /// Angle between a plane and the horizontal, degrees.
 pub(super) fn steepness_deg(normal: DVec3) -> f64 {
     normal.z.abs().min(1.0).acos().to_degrees()
@@ -139,6 +189,22 @@ mod tests {
         assert!((band.bounds_m[1] - DVec3::new(0.5, 1.0, up.z)).length() < 1e-12);
         assert!((cracks.mean_steepness_deg() - 60.0 / 2.2).abs() < 1e-9);
         assert!(super::Cracks { triangles: vec![] }.largest().is_none());
+    }
+
+    #[test]
+    fn cracks_are_told_by_how_they_lie() {
+        // A tent of two faces at 45 degrees over a flat face, each an area of a half or more.
+        let square = 0.5_f64.sqrt();
+        let flat = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let sloping = |side: f64| [DVec3::Z, DVec3::Z + DVec3::Y, DVec3::new(side, 0.0, 0.0)];
+        let all = cracks(&[flat, sloping(1.0), sloping(-1.0)]);
+        assert!((all.area_m2() - 0.5 - 2.0 * square).abs() < 1e-12);
+        assert!((all.at(0.0..30.0).area_m2() - 0.5).abs() < 1e-12);
+        let sloping = all.at(44.0..46.0);
+        assert!((sloping.area_m2() - 2.0 * square).abs() < 1e-12);
+        // Both fall away from what lies between them, one of them from what lies beside.
+        assert!((sloping.falling_away_from(DVec2::ZERO).area_m2() - 2.0 * square).abs() < 1e-12);
+        assert!((sloping.falling_away_from(DVec2::NEG_X * 5.0).area_m2() - square).abs() < 1e-12);
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub mod kinematics;
 pub mod patch;
 pub mod penalty;
 pub mod pile;
+pub mod plates;
 pub mod rods;
 pub mod scenes;
 pub mod spin;

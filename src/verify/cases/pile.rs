@@ -1,10 +1,9 @@
 //! How a pressed pile fails (METHOD 8, F2): the planes on which it starts to, the band that goes through it by Mohr and
 //! Coulomb's law, the crack that runs along it by tension.
 
-use super::super::cracks::{Cracks, steepness_deg};
+use super::super::cracks::{Cracks, failing_planes, steepness_deg};
 use super::super::{CaseError, Effort, Outcome, Plot, Quantity};
 use super::fracture::{crack_place_m, run_to_crack};
-use crate::fracture::PrincipalStress;
 use crate::scene::Scene;
 use crate::sim::World;
 use glam::DVec3;
@@ -31,15 +30,9 @@ fn first_planes_deg(effort: &Effort, fracture: &str) -> Result<f64, CaseError> {
             let has_broken = world.sample().crack_area_m2 > 0.0;
             if has_broken || report.time_s >= next_s {
                 next_s = report.time_s + EVERY_S;
-                for element in world.element_stresses(PILE) {
-                    let stress = PrincipalStress::of(&element.cauchy_pa);
-                    match criterion.assess(&stress.measures()) {
-                        Ok(found) if found.fails() => {
-                            failed_deg.push(steepness_deg(criterion.normal(found.rule, &stress, None)));
-                        }
-                        Ok(_) => {}
-                        Err(error) => wrong = Some(CaseError::Unmeasured(error.to_string())),
-                    }
+                match failing_planes(world, PILE, &criterion) {
+                    Ok(planes) => failed_deg.extend(planes.iter().map(|(_, normal)| steepness_deg(*normal))),
+                    Err(error) => wrong = Some(error),
                 }
             }
             !has_broken && world.time_s() < END_S
