@@ -1,5 +1,8 @@
 //! Fracture of boxes of about 1k, 10k and 100k tetrahedra in which the same number of elements fails: the work goes with
 //! what fails, so the times should hardly grow.
+//!
+//! `world` takes the time of the whole phase from a running world: beside looking and cutting, what is kept of the surface and of
+//! its contact with itself follows. That is copied where it did not change, so this time grows with the surface.
 
 use crate::elastic_step::unit_box;
 use crate::machine::sample_shortly;
@@ -11,7 +14,9 @@ use hammerfall::fracture::{
     Strength,
 };
 use hammerfall::mesh::TetMesh;
+use hammerfall::sim::{BodySetup, BoundaryAction, BoundaryCondition, Material, World, WorldSetup};
 use std::hint::black_box;
+use std::time::Duration;
 
 /// Boxes along each side; six tetrahedra each.
 const CELLS: [usize; 3] = [6, 12, 26];
@@ -19,8 +24,10 @@ const CELLS: [usize; 3] = [6, 12, 26];
 const FAILING: usize = 32;
 const DENSITY_KG_M3: f64 = 1000.0;
 const ALTITUDE_SHARE: f64 = 0.25;
+/// Further ahead than a step goes, s.
+const FAR_S: f64 = 1.0;
 
-/// One call of [`Solid::propagate`] on a fresh body, and one look for failures around one displaced node.
+/// One call of [`Solid::propagate`] on a fresh body, and one look for failures around one displaced node, and the phase in a world.
 pub fn fracture_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("fracture_step");
     sample_shortly(&mut group);
@@ -46,6 +53,11 @@ pub fn fracture_step(criterion: &mut Criterion) {
         let looker = Looker::new(&mesh);
         assert!(looker.look() > 0, "the displaced node makes elements fail");
         group.bench_function(BenchmarkId::new("look", elements), |bencher| bencher.iter(|| looker.look()));
+        let mut built: Option<World> = None;
+        group.bench_function(BenchmarkId::new("world", elements), |bencher| {
+            let world = built.get_or_insert_with(|| cracking_world(&mesh));
+            bencher.iter_custom(|rounds| (0..rounds).map(|_| time_of_cracking(world)).sum());
+        });
     }
     group.finish();
 }
@@ -70,6 +82,42 @@ fn failures_near(place_m: DVec3, mesh: &TetMesh) -> Vec<Failure> {
     nearest.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let failing = nearest.into_iter().take(FAILING);
     failing.map(|(_, element)| Failure { element, normal: DVec3::new(0.96, 0.28, 0.0), index: 1.0 }).collect()
+}
+
+/// Steps over which a world cracks.
+const CRACKING_STEPS: usize = 20;
+
+/// A box with a node in its middle that is pulled along x, with the first crack around it.
+fn cracking_world(mesh: &TetMesh) -> World {
+    let middle_m = middle_m(mesh).floor();
+    let node = (0_u32..).zip(&mesh.nodes_m).find(|(_, x)| x.distance(middle_m) < 0.1);
+    let (node, _) = node.expect("a node in the middle");
+    let strength = Strength::Tensile { tensile_strength_pa: 0.005 * Looker::YOUNGS_MODULUS_PA };
+    let fracture = Some(FailureCriterion::single(strength).expect("a sound strength"));
+    let elastic = Material::elastic("chalk", DENSITY_KG_M3, Looker::YOUNGS_MODULUS_PA, 0.3);
+    let pulled = BoundaryAction::Velocity { velocity_m_s: DVec3::X, axes: [true; 3] };
+    let body = BodySetup {
+        boundary: vec![BoundaryCondition { nodes: vec![node], action: pulled }],
+        ..BodySetup::at_rest("box", mesh.clone(), Material { fracture, ..elastic })
+    };
+    let mut setup = WorldSetup { bodies: vec![body], ..WorldSetup::default() };
+    setup.fracture.smallest_fragment_elements = 0.0;
+    let mut world = World::new(setup).expect("a sound world");
+    while world.sample().crack_area_m2 == 0.0 {
+        world.step(world.time_s() + FAR_S).expect("the run stays finite");
+    }
+    world
+}
+
+/// Of the fracture phase of some steps from here.
+fn time_of_cracking(world: &World) -> Duration {
+    let mut world = world.clone();
+    let (before_s, before_m2) = (world.phase_times().fracture_s, world.sample().crack_area_m2);
+    for _ in 0..CRACKING_STEPS {
+        world.step(world.time_s() + FAR_S).expect("the run stays finite");
+    }
+    assert!(world.sample().crack_area_m2 > before_m2, "cracks go on");
+    Duration::from_secs_f64(world.phase_times().fracture_s - before_s)
 }
 
 /// A body to be cut once.

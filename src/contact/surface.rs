@@ -4,7 +4,7 @@ use super::geometry::unit_normal;
 use super::twins::{CrackFaces, Twins};
 use super::ways::Clusters;
 use crate::math::in_rows;
-use crate::mesh::Surface;
+use crate::mesh::{Renumbering, Surface, SurfaceEdge};
 use glam::DVec3;
 
 /// Edges whose faces fold by less than this (cosine of the angle between the normals) are inner lines of
@@ -88,32 +88,58 @@ impl ContactSurface {
     /// Takes over a mesh's boundary; `reference_m` are the reference positions of all its nodes.
     #[must_use]
     pub fn new(boundary: &Surface, reference_m: &[DVec3]) -> Self {
+        let sizes_m = boundary.triangles.iter().map(|triangle| size_m(*triangle, reference_m)).collect();
+        let is_sharp = |edge: &SurfaceEdge| is_sharp(&boundary.triangles, edge.triangles, reference_m);
+        Self::laid_out(boundary, reference_m.len(), sizes_m, boundary.edges.iter().map(is_sharp).collect())
+    }
+
+    /// This surface after a cut, which has made the boundary what it is now and given it the numbers; what is told of cracks is left
+    /// out.
+    #[must_use]
+    pub fn after_cut(&self, boundary: &Surface, numbers: &Renumbering, reference_m: &[DVec3]) -> Self {
+        let mut sizes_m = vec![0.0; boundary.triangles.len()];
+        for (before, size_m) in (0_u32..).zip(&self.triangle_size_m) {
+            if let Some(now) = numbers.triangle_now(before) {
+                sizes_m[now as usize] = *size_m;
+            }
+        }
+        for &new in numbers.new_triangles() {
+            sizes_m[new as usize] = size_m(boundary.triangles[new as usize], reference_m);
+        }
+        let mut sharp = vec![None; boundary.edges.len()];
+        for (before, edge) in (0_u32..).zip(&self.edges) {
+            if let Some(now) = numbers.edge_now(before) {
+                sharp[now as usize] = Some(edge.is_sharp);
+            }
+        }
+        let anew = |edge: &SurfaceEdge| is_sharp(&boundary.triangles, edge.triangles, reference_m);
+        let sharp = boundary.edges.iter().zip(sharp).map(|(edge, known)| known.unwrap_or_else(|| anew(edge)));
+        Self::laid_out(boundary, reference_m.len(), sizes_m, sharp.collect())
+    }
+
+    /// Of a body with so many nodes, with the sizes of the triangles, m, and whether the edges are sharp.
+    fn laid_out(
+        boundary: &Surface,
+        node_count: usize,
+        triangle_size_m: Vec<f64>,
+        is_sharp: Vec<bool>,
+    ) -> Self {
         let triangles = boundary.triangles.clone();
-        let triangle_size_m: Vec<f64> = triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = t.map(|n| reference_m[n as usize]);
-                (b - a).cross(c - a).length().sqrt()
-            })
-            .collect();
-        let edges: Vec<ContactEdge> = boundary
-            .edges
-            .iter()
-            .map(|edge| ContactEdge {
-                nodes: edge.nodes,
-                triangles: edge.triangles,
-                is_sharp: is_sharp(&triangles, edge.triangles, reference_m),
-            })
-            .collect();
+        let contact_edge = |(edge, is_sharp): (&SurfaceEdge, bool)| ContactEdge {
+            nodes: edge.nodes,
+            triangles: edge.triangles,
+            is_sharp,
+        };
+        let edges: Vec<ContactEdge> = boundary.edges.iter().zip(is_sharp).map(contact_edge).collect();
         let nodes = boundary.nodes.clone();
-        let mut node_size_m = vec![f64::INFINITY; reference_m.len()];
+        let mut node_size_m = vec![f64::INFINITY; node_count];
         for (triangle, size_m) in triangles.iter().zip(&triangle_size_m) {
             for node in triangle {
                 let smallest = &mut node_size_m[*node as usize];
                 *smallest = smallest.min(*size_m);
             }
         }
-        let owns_node = first_owner_of_nodes(&triangles, reference_m.len());
+        let owns_node = first_owner_of_nodes(&triangles, node_count);
         let mut owned_edges = vec![[None; 3]; triangles.len()];
         for (index, edge) in edges.iter().enumerate().filter(|(_, edge)| edge.is_sharp) {
             let slots = &mut owned_edges[edge.triangles[0] as usize];
@@ -121,8 +147,8 @@ impl ContactSurface {
             slots[free] = Some(index as u32);
         }
         let joined = edges.iter().flat_map(|e| [(e.nodes[0], e.nodes[1]), (e.nodes[1], e.nodes[0])]);
-        let neighbours = NodeLists::new(joined.collect(), reference_m.len());
-        let crack_triangles = NodeLists::new(Vec::new(), reference_m.len());
+        let neighbours = NodeLists::new(joined.collect(), node_count);
+        let crack_triangles = NodeLists::new(Vec::new(), node_count);
         let crack_sides = vec![None; triangles.len()];
         let mut surface = Self {
             triangles,
@@ -207,6 +233,12 @@ impl ContactSurface {
 fn first_owner_of_nodes(triangles: &[[u32; 3]], node_count: usize) -> Vec<[bool; 3]> {
     let mut is_taken = vec![false; node_count];
     triangles.iter().map(|t| t.map(|n| !std::mem::replace(&mut is_taken[n as usize], true))).collect()
+}
+
+/// Local element size of a triangle, m.
+fn size_m(triangle: [u32; 3], reference_m: &[DVec3]) -> f64 {
+    let [a, b, c] = triangle.map(|n| reference_m[n as usize]);
+    (b - a).cross(c - a).length().sqrt()
 }
 
 fn is_sharp(triangles: &[[u32; 3]], at: [u32; 2], reference_m: &[DVec3]) -> bool {

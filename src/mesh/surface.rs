@@ -98,17 +98,46 @@ impl Surface {
     #[must_use]
     pub fn of_neighbours(tets: &[[u32; 4]], neighbour: impl Fn(u32, usize) -> Option<u32> + Sync) -> Self {
         let outside = |tet: usize, corners: &[u32; 4], found: &mut Vec<([u32; 3], u32)>| {
-            for (face, places) in TET_FACES.iter().enumerate() {
-                if neighbour(tet as u32, face).is_none() {
-                    found.push((places.map(|place| corners[place]), tet as u32));
-                }
-            }
+            let tet = tet as u32;
+            found.extend(outer_faces(tet, *corners, &neighbour).map(|triangle| (triangle, tet)));
         };
-        let (triangles, triangle_tet): (Vec<_>, Vec<_>) =
-            in_parts::flat_map(tets, TETS_AT_ONCE, outside).into_iter().unzip();
+        let triangles = in_parts::flat_map(tets, TETS_AT_ONCE, outside);
+        Self::of_triangles(triangles, tets, &neighbour)
+    }
+
+    /// This boundary after a cut of the mesh. `touched` are the tetrahedra, ascending, whose faces may have come to the boundary,
+    /// gone from it or changed their corners; the faces of all others are as they were, and are not looked at.
+    #[must_use]
+    pub fn after_cut(
+        &self,
+        tets: &[[u32; 4]],
+        touched: &[u32],
+        neighbour: impl Fn(u32, usize) -> Option<u32> + Sync,
+    ) -> Self {
+        let mut before = self.triangles.iter().copied().zip(self.triangle_tet.iter().copied()).peekable();
+        let mut triangles = Vec::with_capacity(self.triangles.len() + touched.len());
+        for &tet in touched {
+            while let Some(stays) = before.next_if(|(_, behind)| *behind < tet) {
+                triangles.push(stays);
+            }
+            while before.next_if(|(_, behind)| *behind == tet).is_some() {}
+            let faces = outer_faces(tet, tets[tet as usize], &neighbour);
+            triangles.extend(faces.map(|triangle| (triangle, tet)));
+        }
+        triangles.extend(before);
+        Self::of_triangles(triangles, tets, &neighbour)
+    }
+
+    /// From the triangles and the tetrahedra behind them.
+    fn of_triangles(
+        triangles: Vec<([u32; 3], u32)>,
+        tets: &[[u32; 4]],
+        neighbour: &impl Fn(u32, usize) -> Option<u32>,
+    ) -> Self {
+        let (triangles, triangle_tet): (Vec<_>, Vec<_>) = triangles.into_iter().unzip();
         let nodes = used_nodes(&triangles);
         let mut surface = Self { triangles, triangle_tet, nodes, ..Self::default() };
-        surface.find_edges(tets, &neighbour);
+        surface.find_edges(tets, neighbour);
         surface
     }
 
@@ -160,6 +189,16 @@ impl Surface {
             }
         }
     }
+}
+
+/// The faces of a tetrahedron that have nothing behind them.
+fn outer_faces(
+    tet: u32,
+    corners: [u32; 4],
+    neighbour: &impl Fn(u32, usize) -> Option<u32>,
+) -> impl Iterator<Item = [u32; 3]> {
+    let is_outer = move |(face, _): &(usize, _)| neighbour(tet, *face).is_none();
+    TET_FACES.iter().enumerate().filter(is_outer).map(move |(_, places)| places.map(|place| corners[place]))
 }
 
 /// Walks from boundary triangle `triangle` of `tet` around `edge` through the solid; returns the boundary triangle

@@ -1,5 +1,5 @@
-//! Following cuts: what a body keeps per node and element is brought up to date where it changed. Only the surface is found
-//! anew as a whole, at a cost that goes with the body.
+//! Following cuts: what a body keeps per node and element is brought up to date where it changed. What it keeps of its surface
+//! is copied where it did not change, at a cost that goes with the surface.
 
 use super::SimError;
 use super::body::{Body, PrescribedNode};
@@ -81,15 +81,13 @@ impl Body {
             bound.follow(&mut body, &changes.touched_nodes, of_elements);
             Ok(bound.step_s())
         };
-        let before = &self.boundary;
+        let (before, surface_before) = (&self.boundary, &self.surface);
         let follow_surface = || {
-            let boundary = Surface::of_neighbours(tets, |tet, face| behind(solid, tet, face));
-            let surface = || {
-                let sides = crack_sides(solid, &boundary);
-                ContactSurface::new(&boundary, reference_m).with_cracks(sides, reference_m)
-            };
-            let numbers = || Renumbering::between(before, &boundary, reference_m.len());
-            let (surface, numbers) = rayon::join(surface, numbers);
+            let touched = touched_elements(solid, changes);
+            let boundary = before.after_cut(tets, &touched, |tet, face| behind(solid, tet, face));
+            let numbers = Renumbering::between(before, &boundary, reference_m.len());
+            let surface = surface_before.after_cut(&boundary, &numbers, reference_m);
+            let surface = surface.with_cracks(crack_sides(solid, &boundary), reference_m);
             (boundary, surface, numbers)
         };
         let (step_s, (boundary, surface, numbers)) = rayon::join(follow_elements, follow_surface);
@@ -223,6 +221,17 @@ fn behind(solid: &Solid, tet: u32, face: usize) -> Option<u32> {
     }
 }
 
+/// The elements, ascending, whose faces may have come to the surface, gone from it or changed their corners: the faces of a crack come
+/// to the surface when one of their nodes parts.
+fn touched_elements(solid: &Solid, changes: &Changes) -> Vec<u32> {
+    let at_nodes = changes.touched_nodes.iter().flat_map(|node| solid.elements_at(*node));
+    let mut touched: Vec<u32> = at_nodes.chain(&changes.changed_elements).copied().collect();
+    touched.extend(changes.new_elements.iter().map(|new| new.element));
+    touched.sort_unstable();
+    touched.dedup();
+    touched
+}
+
 /// What of a crack each triangle of the boundary is.
 fn crack_sides(solid: &Solid, boundary: &Surface) -> Vec<Option<CrackSide>> {
     let side = |(triangle, tet): (&[u32; 3], &u32)| {
@@ -280,13 +289,16 @@ mod tests {
             let changes = solid.cut_node(nodes, node, normal, &Propagation::default());
             cracked += changes.crack_faces.len();
             parted += changes.new_nodes.iter().filter(|b| matches!(b, NodeBirth::TwinOf(_))).count();
-            let now = Surface::of_neighbours(solid.tets(), |tet, face| behind(&solid, tet, face));
+            let touched = touched_elements(&solid, &changes);
+            let now = boundary.after_cut(solid.tets(), &touched, |tet, face| behind(&solid, tet, face));
             assert_eq!(now, Surface::of(solid.tets()));
             let numbers = Renumbering::between(&boundary, &now, solid.node_count());
             boundary = now;
-            let sides = crack_sides(&solid, &boundary);
-            surface =
-                ContactSurface::new(&boundary, solid.reference_m()).with_cracks(sides, solid.reference_m());
+            surface = surface.after_cut(&boundary, &numbers, solid.reference_m());
+            let searched = ContactSurface::new(&boundary, solid.reference_m());
+            assert_eq!(surface.edges, searched.edges);
+            assert_eq!(surface.triangle_size_m, searched.triangle_size_m);
+            surface = surface.with_cracks(crack_sides(&solid, &boundary), solid.reference_m());
             boxes.follow(&surface, &numbers, &changes.parents());
             let own = OwnFeatures {
                 surface: &surface,
