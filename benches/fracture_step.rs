@@ -84,10 +84,7 @@ fn failures_near(place_m: DVec3, mesh: &TetMesh) -> Vec<Failure> {
     failing.map(|(_, element)| Failure { element, normal: DVec3::new(0.96, 0.28, 0.0), index: 1.0 }).collect()
 }
 
-/// Steps over which a world cracks.
-const CRACKING_STEPS: usize = 20;
-
-/// A box with a node in its middle that is pulled along x, with the first crack around it.
+/// A box with a node in its middle that is pulled along x: it has cracked, and goes on to crack in the next step.
 fn cracking_world(mesh: &TetMesh) -> World {
     let middle_m = middle_m(mesh).floor();
     let node = (0_u32..).zip(&mesh.nodes_m).find(|(_, x)| x.distance(middle_m) < 0.1);
@@ -103,20 +100,26 @@ fn cracking_world(mesh: &TetMesh) -> World {
     let mut setup = WorldSetup { bodies: vec![body], ..WorldSetup::default() };
     setup.fracture.smallest_fragment_elements = 0.0;
     let mut world = World::new(setup).expect("a sound world");
-    while world.sample().crack_area_m2 == 0.0 {
-        world.step(world.time_s() + FAR_S).expect("the run stays finite");
+    loop {
+        let before = world.clone();
+        if crack_step(&mut world) && before.sample().crack_area_m2 > 0.0 {
+            return before;
+        }
     }
-    world
 }
 
-/// Of the fracture phase of some steps from here.
+/// Whether the next step cracks something.
+fn crack_step(world: &mut World) -> bool {
+    let before_m2 = world.sample().crack_area_m2;
+    world.step(world.time_s() + FAR_S).expect("the run stays finite");
+    world.sample().crack_area_m2 > before_m2
+}
+
+/// Of the fracture phase of the next step.
 fn time_of_cracking(world: &World) -> Duration {
     let mut world = world.clone();
-    let (before_s, before_m2) = (world.phase_times().fracture_s, world.sample().crack_area_m2);
-    for _ in 0..CRACKING_STEPS {
-        world.step(world.time_s() + FAR_S).expect("the run stays finite");
-    }
-    assert!(world.sample().crack_area_m2 > before_m2, "cracks go on");
+    let before_s = world.phase_times().fracture_s;
+    assert!(crack_step(&mut world), "the step cracks something");
     Duration::from_secs_f64(world.phase_times().fracture_s - before_s)
 }
 

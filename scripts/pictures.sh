@@ -39,8 +39,8 @@ scene_pictures() {
     done
     for criterion in tensile mohr-coulomb tresca; do
         say "rendering plate-$criterion-fine"
-        cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion.png" --at 0.461 --size 480x300 --no-caption
-        cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion-cut.png" --at 0.461 --size 480x200 --no-caption \
+        cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion.png" --at 0.459 --size 480x300 --no-caption
+        cargo run --locked --quiet -- render "plate-$criterion-fine" -o "assets/pictures/plate-$criterion-cut.png" --at 0.459 --size 480x200 --no-caption \
             --camera section --cut y
     done
     say "rendering pile-press-fine"
