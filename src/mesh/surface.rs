@@ -101,8 +101,12 @@ impl Surface {
             let tet = tet as u32;
             found.extend(outer_faces(tet, *corners, &neighbour).map(|triangle| (triangle, tet)));
         };
-        let triangles = in_parts::flat_map(tets, TETS_AT_ONCE, outside);
-        Self::of_triangles(triangles, tets, &neighbour)
+        let (triangles, triangle_tet): (Vec<_>, Vec<_>) =
+            in_parts::flat_map(tets, TETS_AT_ONCE, outside).into_iter().unzip();
+        let nodes = used_nodes(&triangles);
+        let mut surface = Self { triangles, triangle_tet, nodes, ..Self::default() };
+        surface.find_edges(tets, &neighbour);
+        surface
     }
 
     /// This boundary after a cut of the mesh. `touched` are the tetrahedra, ascending, whose faces may have come to the boundary,
@@ -114,31 +118,76 @@ impl Surface {
         touched: &[u32],
         neighbour: impl Fn(u32, usize) -> Option<u32> + Sync,
     ) -> Self {
-        let mut before = self.triangles.iter().copied().zip(self.triangle_tet.iter().copied()).peekable();
-        let mut triangles = Vec::with_capacity(self.triangles.len() + touched.len());
+        let mut now = Self::default();
+        let mut triangle_now = vec![None; self.triangles.len()];
+        let mut before = (0_u32..).zip(self.triangles.iter().zip(&self.triangle_tet)).peekable();
+        let mut stay = |now: &mut Self, (index, (triangle, tet)): (u32, (&[u32; 3], &u32))| {
+            triangle_now[index as usize] = Some(now.push_triangle(*triangle, *tet));
+        };
+        let mut new = Vec::new();
         for &tet in touched {
-            while let Some(stays) = before.next_if(|(_, behind)| *behind < tet) {
-                triangles.push(stays);
+            while let Some(stays) = before.next_if(|(_, (_, behind))| **behind < tet) {
+                stay(&mut now, stays);
             }
-            while before.next_if(|(_, behind)| *behind == tet).is_some() {}
+            while before.next_if(|(_, (_, behind))| **behind == tet).is_some() {}
             let faces = outer_faces(tet, tets[tet as usize], &neighbour);
-            triangles.extend(faces.map(|triangle| (triangle, tet)));
+            new.extend(faces.map(|triangle| now.push_triangle(triangle, tet)));
         }
-        triangles.extend(before);
-        Self::of_triangles(triangles, tets, &neighbour)
+        before.for_each(|stays| stay(&mut now, stays));
+        now.nodes = used_nodes(&now.triangles);
+        now.follow_edges(self, (&triangle_now, &new), (tets, &neighbour));
+        now
     }
 
-    /// From the triangles and the tetrahedra behind them.
-    fn of_triangles(
-        triangles: Vec<([u32; 3], u32)>,
-        tets: &[[u32; 4]],
-        neighbour: &impl Fn(u32, usize) -> Option<u32>,
-    ) -> Self {
-        let (triangles, triangle_tet): (Vec<_>, Vec<_>) = triangles.into_iter().unzip();
-        let nodes = used_nodes(&triangles);
-        let mut surface = Self { triangles, triangle_tet, nodes, ..Self::default() };
-        surface.find_edges(tets, neighbour);
-        surface
+    fn push_triangle(&mut self, triangle: [u32; 3], tet: u32) -> u32 {
+        self.triangles.push(triangle);
+        self.triangle_tet.push(tet);
+        self.triangles.len() as u32 - 1
+    }
+
+    /// Takes over the edges from before a cut, but for those of triangles that are gone or new.
+    fn follow_edges(
+        &mut self,
+        before: &Self,
+        (triangle_now, new): (&[Option<u32>], &[u32]),
+        (tets, neighbour): (&[[u32; 4]], &impl Fn(u32, usize) -> Option<u32>),
+    ) {
+        let gone = before.triangles.iter().zip(triangle_now).filter(|(_, now)| now.is_none());
+        let mut stale: Vec<[u32; 2]> = gone.flat_map(|(triangle, _)| sides_of(*triangle)).collect();
+        let of_new =
+            |triangle: &u32| sides_of(self.triangles[*triangle as usize]).map(|side| (side, *triangle));
+        let mut sides: Vec<([u32; 2], u32)> = new.iter().flat_map(of_new).collect();
+        stale.extend(sides.iter().map(|(nodes, _)| *nodes));
+        stale.sort_unstable();
+        stale.dedup();
+        let mut kept = Vec::with_capacity(before.edges.len());
+        (self.open_edges, self.non_manifold_edges) = (before.open_edges, before.non_manifold_edges);
+        let mut next_stale = stale.into_iter().peekable();
+        for edges in before.edges.chunk_by(|a, b| a.nodes == b.nodes) {
+            let nodes = edges[0].nodes;
+            let now = |triangle: &u32| triangle_now[*triangle as usize];
+            while next_stale.next_if(|stale| *stale < nodes).is_some() {}
+            if next_stale.peek() != Some(&nodes) {
+                let triangles = |edge: &SurfaceEdge| edge.triangles.map(|t| now(&t).unwrap_or(t));
+                kept.extend(edges.iter().map(|edge| SurfaceEdge { nodes, triangles: triangles(edge) }));
+                continue;
+            }
+            let mut group: Vec<u32> = edges.iter().flat_map(|edge| edge.triangles).collect();
+            group.sort_unstable();
+            group.dedup();
+            self.open_edges -= group.len() % 2;
+            self.non_manifold_edges -= usize::from(group.len() > 2);
+            sides.extend(group.iter().filter_map(now).map(|triangle| (nodes, triangle)));
+        }
+        sides.sort_unstable();
+        let mut kept = kept.into_iter().peekable();
+        for group in sides.chunk_by(|a, b| a.0 == b.0) {
+            while let Some(edge) = kept.next_if(|edge| edge.nodes < group[0].0) {
+                self.edges.push(edge);
+            }
+            self.push_edges_of(group, tets, neighbour);
+        }
+        self.edges.extend(kept);
     }
 
     /// Whether every edge belongs to an even number of triangles.
@@ -150,14 +199,24 @@ impl Surface {
     fn find_edges(&mut self, tets: &[[u32; 4]], neighbour: &impl Fn(u32, usize) -> Option<u32>) {
         let sides = sorted_sides(&self.triangles, self.nodes.last().map_or(0, |last| last + 1));
         for group in sides.chunk_by(|a, b| a.0 == b.0) {
-            let nodes = group[0].0;
-            self.open_edges += group.len() % 2;
-            self.non_manifold_edges += usize::from(group.len() > 2);
-            match *group {
-                [(_, first)] => self.push_edge(nodes, [first, first]),
-                [(_, first), (_, second)] => self.push_edge(nodes, [first, second]),
-                _ => self.pair_through_solid(group, tets, neighbour),
-            }
+            self.push_edges_of(group, tets, neighbour);
+        }
+    }
+
+    /// Pairs the triangles at the same two nodes.
+    fn push_edges_of(
+        &mut self,
+        group: &[([u32; 2], u32)],
+        tets: &[[u32; 4]],
+        neighbour: &impl Fn(u32, usize) -> Option<u32>,
+    ) {
+        let nodes = group[0].0;
+        self.open_edges += group.len() % 2;
+        self.non_manifold_edges += usize::from(group.len() > 2);
+        match *group {
+            [(_, first)] => self.push_edge(nodes, [first, first]),
+            [(_, first), (_, second)] => self.push_edge(nodes, [first, second]),
+            _ => self.pair_through_solid(group, tets, neighbour),
         }
     }
 
@@ -237,10 +296,14 @@ fn used_nodes(triangles: &[[u32; 3]]) -> Vec<u32> {
     (0_u32..).zip(is_used).filter_map(|(node, is_used)| is_used.then_some(node)).collect()
 }
 
+/// The sides of a triangle, smaller index first.
+fn sides_of([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+    [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])
+}
+
 /// The sides of all triangles, ascending: end nodes, smaller index first, and the triangle. They are laid out by their first
 /// nodes, so that little is left to be sorted.
 fn sorted_sides(triangles: &[[u32; 3]], node_count: u32) -> Vec<([u32; 2], u32)> {
-    let sides_of = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)]);
     let of_triangle =
         |(triangle, corners): (u32, &[u32; 3])| sides_of(*corners).map(|side| (side[0], (side, triangle)));
     let (_, mut sides) = in_rows((0_u32..).zip(triangles).flat_map(of_triangle), node_count as usize);

@@ -5,7 +5,7 @@ use super::SimError;
 use super::body::{Body, PrescribedNode};
 use super::breaking::Breaking;
 use super::elastic::StepContext;
-use crate::contact::{ContactSurface, CrackSide};
+use crate::contact::CrackSide;
 use crate::fem::{CutBody, ElementChanges, FemError, StepBound};
 use crate::fracture::{Changes, Face, NodeBirth, Solid};
 use crate::math::inertia_of_point_kg_m2;
@@ -249,7 +249,7 @@ fn crack_sides(solid: &Solid, boundary: &Surface) -> Vec<Option<CrackSide>> {
 mod tests {
     use super::*;
     use crate::contact::candidates::{Candidates, between, within};
-    use crate::contact::{CloseList, OwnFeatures, SurfaceBoxes};
+    use crate::contact::{CloseList, ContactSurface, OwnFeatures, SurfaceBoxes};
     use crate::fracture::{NodeState, Propagation};
     use crate::mesh::shapes::block;
 
