@@ -13,7 +13,7 @@ mod shipped;
 
 use hammerfall::mesh::overlap;
 use hammerfall::scene::{BUILTIN_SCENES, Location, Scene, SceneError, SceneSummary};
-use hammerfall::sim::{BodyMotion, BoundaryAction, ContactMethod, World};
+use hammerfall::sim::{BodyMotion, BodySetup, BoundaryAction, ContactMethod, Material, World};
 use std::io::Write as _;
 use std::path::Path;
 

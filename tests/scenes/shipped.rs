@@ -30,8 +30,17 @@ fn fine_scenes_differ_in_resolution_only() {
         if builtin.name == "pile-press" {
             continue;
         }
+        // A coarse mesh smooths the peaks of stress: to break under the same blow its plate has to be weaker.
+        let is_plate = builtin.name.starts_with("plate-");
+        let materials = |body: &BodySetup| -> Vec<Material> {
+            let of =
+                |m: &Material| Material { fracture: m.fracture.clone().filter(|_| !is_plate), ..m.clone() };
+            body.materials.iter().map(of).collect()
+        };
         for (a, b) in coarse.setup.bodies.iter().zip(&fine.setup.bodies) {
-            assert_eq!((&a.name, &a.materials, &a.motion), (&b.name, &b.materials, &b.motion));
+            assert_eq!((&a.name, materials(a), &a.motion), (&b.name, materials(b), &b.motion));
+            let breaks = |body: &BodySetup| body.materials.iter().any(|m| m.fracture.is_some());
+            assert_eq!(breaks(a), breaks(b));
             assert_eq!((a.velocity_m_s, a.spin_rad_s), (b.velocity_m_s, b.spin_rad_s));
         }
         assert_eq!(coarse.setup.contact, fine.setup.contact);
