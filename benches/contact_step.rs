@@ -231,7 +231,7 @@ pub fn pressed_world(cells: u32) -> World {
     world
 }
 
-fn take_steps(world: &mut World, steps: u64) {
+pub fn take_steps(world: &mut World, steps: u64) {
     for _ in 0..steps {
         world.step(world.time_s() + FAR_S).expect("the run stays finite");
     }

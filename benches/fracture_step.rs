@@ -4,6 +4,7 @@
 //! `world` takes the time of the whole phase from a running world: beside looking and cutting, what is kept of the surface and of
 //! its contact with itself follows. That is copied where it did not change, so this time grows with the surface.
 
+use crate::contact_step::take_steps;
 use crate::elastic_step::unit_box;
 use crate::machine::sample_shortly;
 use criterion::{BatchSize, BenchmarkId, Criterion};
@@ -23,11 +24,10 @@ const CELLS: [usize; 3] = [6, 12, 26];
 /// Elements that fail at once, around the middle of the box.
 const FAILING: usize = 32;
 const DENSITY_KG_M3: f64 = 1000.0;
+const YOUNGS_MODULUS_PA: f64 = 1e6;
 const ALTITUDE_SHARE: f64 = 0.25;
-/// Further ahead than a step goes, s.
-const FAR_S: f64 = 1.0;
 
-/// One call of [`Solid::propagate`] on a fresh body, and one look for failures around one displaced node, and the phase in a world.
+/// One call of [`Solid::propagate`] on a fresh body, one look for failures around a displaced node, the whole phase in a world.
 pub fn fracture_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("fracture_step");
     sample_shortly(&mut group);
@@ -72,6 +72,18 @@ fn middle_m(mesh: &TetMesh) -> DVec3 {
     mesh.nodes_m.iter().copied().reduce(DVec3::max).unwrap_or_default() / 2.0
 }
 
+fn middle_node(mesh: &TetMesh) -> u32 {
+    let middle_m = middle_m(mesh).floor();
+    let node = (0_u32..).zip(&mesh.nodes_m).find(|(_, x)| x.distance(middle_m) < 0.1);
+    node.expect("a node in the middle").0
+}
+
+/// Tears at half a percent of strain.
+fn chalk_criterion() -> FailureCriterion {
+    let strength = Strength::Tensile { tensile_strength_pa: 0.005 * YOUNGS_MODULUS_PA };
+    FailureCriterion::single(strength).expect("a sound strength")
+}
+
 /// The elements nearest to a place, torn nearly along x.
 fn failures_near(place_m: DVec3, mesh: &TetMesh) -> Vec<Failure> {
     let distance_m = |tet: &[u32; 4]| {
@@ -86,15 +98,11 @@ fn failures_near(place_m: DVec3, mesh: &TetMesh) -> Vec<Failure> {
 
 /// A box with a node in its middle that is pulled along x: it has cracked, and goes on to crack in the next step.
 fn cracking_world(mesh: &TetMesh) -> World {
-    let middle_m = middle_m(mesh).floor();
-    let node = (0_u32..).zip(&mesh.nodes_m).find(|(_, x)| x.distance(middle_m) < 0.1);
-    let (node, _) = node.expect("a node in the middle");
-    let strength = Strength::Tensile { tensile_strength_pa: 0.005 * Looker::YOUNGS_MODULUS_PA };
-    let fracture = Some(FailureCriterion::single(strength).expect("a sound strength"));
-    let elastic = Material::elastic("chalk", DENSITY_KG_M3, Looker::YOUNGS_MODULUS_PA, 0.3);
+    let fracture = Some(chalk_criterion());
+    let elastic = Material::elastic("chalk", DENSITY_KG_M3, YOUNGS_MODULUS_PA, 0.3);
     let pulled = BoundaryAction::Velocity { velocity_m_s: DVec3::X, axes: [true; 3] };
     let body = BodySetup {
-        boundary: vec![BoundaryCondition { nodes: vec![node], action: pulled }],
+        boundary: vec![BoundaryCondition { nodes: vec![middle_node(mesh)], action: pulled }],
         ..BodySetup::at_rest("box", mesh.clone(), Material { fracture, ..elastic })
     };
     let mut setup = WorldSetup { bodies: vec![body], ..WorldSetup::default() };
@@ -111,7 +119,7 @@ fn cracking_world(mesh: &TetMesh) -> World {
 /// Whether the next step cracks something.
 fn crack_step(world: &mut World) -> bool {
     let before_m2 = world.sample().crack_area_m2;
-    world.step(world.time_s() + FAR_S).expect("the run stays finite");
+    take_steps(world, 1);
     world.sample().crack_area_m2 > before_m2
 }
 
@@ -158,26 +166,21 @@ struct Looker {
 }
 
 impl Looker {
-    const YOUNGS_MODULUS_PA: f64 = 1e6;
     /// Of the displaced node, m; elements are a metre in size.
     const DISPLACED_M: f64 = 0.02;
     const SAFE_STRAIN: f64 = 1e-3;
 
     fn new(mesh: &TetMesh) -> Self {
         let stuff =
-            ElasticConstants::new(Self::YOUNGS_MODULUS_PA, 0.3, DENSITY_KG_M3).expect("a possible material");
+            ElasticConstants::new(YOUNGS_MODULUS_PA, 0.3, DENSITY_KG_M3).expect("a possible material");
         let elements = ElementBatches::new(&mesh.nodes_m, &mesh.tets, &vec![stuff; mesh.tets.len()]);
         let elements = elements.expect("the box is sound");
         let mut positions_m = mesh.nodes_m.clone();
-        let middle_m = middle_m(mesh).floor();
-        let displaced = positions_m.iter_mut().find(|x| x.distance(middle_m) < 0.1);
-        displaced.expect("a node in the middle").x += Self::DISPLACED_M;
+        positions_m[middle_node(mesh) as usize].x += Self::DISPLACED_M;
         let mut scratch = ForceScratch::default();
         let mut forces_n = vec![DVec3::ZERO; positions_m.len()];
         elements.forces(&mut scratch, &positions_m, ElementKinematics::Green, &mut forces_n);
-        let strength = Strength::Tensile { tensile_strength_pa: 0.005 * Self::YOUNGS_MODULUS_PA };
-        let criterion = FailureCriterion::single(strength).expect("a sound strength");
-        Self { elements, scratch, positions_m, criterion }
+        Self { elements, scratch, positions_m, criterion: chalk_criterion() }
     }
 
     /// How many elements fail.

@@ -6,13 +6,15 @@
 
 use super::nodes::ContactNode;
 use super::passes::{PairRow, relax_forth_and_back};
-use super::response::OWN_TOO_DEEP;
+use super::twins::TOGETHER;
 use std::borrow::Borrow;
 
 /// Penetration left by the passes, as a share of the local size, that asks for more of them.
 const PENETRATION_LEFT: f64 = 1e-4;
 /// Penetration within a body up to which no more passes are asked for, as a share of the local size.
 const OWN_PENETRATION_LEFT: f64 = 3e-4;
+/// Penetration within a body, as a share of the local size, that is too much.
+pub(super) const OWN_TOO_DEEP: f64 = TOGETHER;
 /// Passes without improvement after which a response gives up: within a body, where the deep ones have had passes of their own,
 /// and some yield, if none is much too deep,
 const OWN_STALLED: u32 = 3;

@@ -12,12 +12,12 @@
 //! kick of elastic force already.
 
 use super::constraint::{Constraint, Feature};
+use super::deep::OWN_TOO_DEEP;
 use super::first_guess::start;
 use super::groups::solve_by_group;
 use super::impact::{ImpactStore, rebound_speeds_m_s, share_of_blow};
 use super::nodes::NodeTable;
 use super::passes::{PairRow, free_of_moment, settle};
-use super::twins::TOGETHER;
 use crate::math::in_parts;
 use glam::DVec3;
 
@@ -35,9 +35,7 @@ const OBSTRUCTED: f64 = 0.5;
 const OWN_SLACK: f64 = 1e-4;
 /// Share of what is deeper that one step pushes out there, where that is no faster than what counts as rest.
 const OWN_PUSH: f64 = 0.25;
-/// Penetration within a body, as a share of the local size, that is too much.
-pub(super) const OWN_TOO_DEEP: f64 = TOGETHER;
-/// Share of what is deeper still that one step pushes out however fast that is. Pairs within a body yield under their load (see
+/// Share of what is deeper than [`OWN_TOO_DEEP`] that one step pushes out however fast that is. Pairs within a body yield under their load (see
 /// `passes.rs`), and where that is faster than what counts as rest, as it may be without gravity, they would sink on and on.
 const OWN_LEAST_PUSH: f64 = 0.01;
 

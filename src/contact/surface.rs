@@ -97,24 +97,17 @@ impl ContactSurface {
     /// out.
     #[must_use]
     pub fn after_cut(&self, boundary: &Surface, numbers: &Renumbering, reference_m: &[DVec3]) -> Self {
-        let mut sizes_m = vec![0.0; boundary.triangles.len()];
-        for (before, size_m) in (0_u32..).zip(&self.triangle_size_m) {
-            if let Some(now) = numbers.triangle_now(before) {
-                sizes_m[now as usize] = *size_m;
-            }
-        }
-        for &new in numbers.new_triangles() {
-            sizes_m[new as usize] = size_m(boundary.triangles[new as usize], reference_m);
-        }
-        let mut sharp = vec![None; boundary.edges.len()];
-        for (before, edge) in (0_u32..).zip(&self.edges) {
-            if let Some(now) = numbers.edge_now(before) {
-                sharp[now as usize] = Some(edge.is_sharp);
-            }
-        }
+        let sizes_m =
+            carried_over(&self.triangle_size_m, boundary.triangles.len(), |t| numbers.triangle_now(t));
+        let sizes_m = boundary.triangles.iter().zip(sizes_m);
+        let sizes_m =
+            sizes_m.map(|(triangle, known)| known.unwrap_or_else(|| size_m(*triangle, reference_m)));
+        let sharp: Vec<bool> = self.edges.iter().map(|edge| edge.is_sharp).collect();
+        let sharp =
+            boundary.edges.iter().zip(carried_over(&sharp, boundary.edges.len(), |e| numbers.edge_now(e)));
         let anew = |edge: &SurfaceEdge| is_sharp(&boundary.triangles, edge.triangles, reference_m);
-        let sharp = boundary.edges.iter().zip(sharp).map(|(edge, known)| known.unwrap_or_else(|| anew(edge)));
-        Self::laid_out(boundary, reference_m.len(), sizes_m, sharp.collect())
+        let sharp = sharp.map(|(edge, known)| known.unwrap_or_else(|| anew(edge)));
+        Self::laid_out(boundary, reference_m.len(), sizes_m.collect(), sharp.collect())
     }
 
     /// Of a body with so many nodes, with the sizes of the triangles, m, and whether the edges are sharp.
@@ -233,6 +226,17 @@ impl ContactSurface {
 fn first_owner_of_nodes(triangles: &[[u32; 3]], node_count: usize) -> Vec<[bool; 3]> {
     let mut is_taken = vec![false; node_count];
     triangles.iter().map(|t| t.map(|n| !std::mem::replace(&mut is_taken[n as usize], true))).collect()
+}
+
+/// What is known after a cut of `now_count` things, by what was known before of those that are still there.
+fn carried_over<T: Copy>(before: &[T], now_count: usize, now: impl Fn(u32) -> Option<u32>) -> Vec<Option<T>> {
+    let mut known = vec![None; now_count];
+    for (index, value) in (0_u32..).zip(before) {
+        if let Some(now) = now(index) {
+            known[now as usize] = Some(*value);
+        }
+    }
+    known
 }
 
 /// Local element size of a triangle, m.

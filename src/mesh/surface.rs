@@ -105,7 +105,10 @@ impl Surface {
             in_parts::flat_map(tets, TETS_AT_ONCE, outside).into_iter().unzip();
         let nodes = used_nodes(&triangles);
         let mut surface = Self { triangles, triangle_tet, nodes, ..Self::default() };
-        surface.find_edges(tets, &neighbour);
+        let sides = sorted_sides(&surface.triangles, surface.nodes.last().map_or(0, |last| last + 1));
+        for group in sides.chunk_by(|a, b| a.0 == b.0) {
+            surface.push_edges_of(group, tets, &neighbour);
+        }
         surface
     }
 
@@ -194,13 +197,6 @@ impl Surface {
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.open_edges == 0
-    }
-
-    fn find_edges(&mut self, tets: &[[u32; 4]], neighbour: &impl Fn(u32, usize) -> Option<u32>) {
-        let sides = sorted_sides(&self.triangles, self.nodes.last().map_or(0, |last| last + 1));
-        for group in sides.chunk_by(|a, b| a.0 == b.0) {
-            self.push_edges_of(group, tets, neighbour);
-        }
     }
 
     /// Pairs the triangles at the same two nodes.

@@ -2,8 +2,9 @@
 
 use super::CaseError;
 use super::cases::patch::outer_product;
-use crate::fracture::{Criterion, PrincipalStress};
+use crate::fracture::{Criterion, CriterionError, PrincipalStress};
 use crate::math::{DisjointSets, symmetric_eigen};
+use crate::scene::Scene;
 use crate::sim::World;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeMap;
@@ -133,27 +134,44 @@ impl Band {
     }
 }
 
-/// The elements of a body that fail now by a criterion, and the unit normals of the planes on which they do.
-pub(super) fn failing_planes(
-    world: &World,
+/// Looks now and then on which planes the elements of a body fail.
+pub(super) struct PlaneWatch {
     body: usize,
-    criterion: &Criterion,
-) -> Result<Vec<(usize, DVec3)>, CaseError> {
-    let plane = |(element, cauchy_pa)| {
-        let stress = PrincipalStress::of(&cauchy_pa);
-        let found = match criterion.assess(&stress.measures()) {
-            Ok(found) => found,
-            Err(error) => return Some(Err(CaseError::Unmeasured(error.to_string()))),
-        };
-        found.fails().then(|| Ok((element, criterion.normal(found.rule, &stress, None))))
-    };
-    world
-        .element_stresses(body)
-        .iter()
-        .map(|element| element.cauchy_pa)
-        .enumerate()
-        .filter_map(plane)
-        .collect()
+    criterion: Criterion,
+    seen_deg: Result<Vec<(usize, f64)>, CriterionError>,
+}
+
+impl PlaneWatch {
+    /// Of a body of one material in a scene.
+    pub fn new(scene: &Scene, body: usize) -> Result<Self, CaseError> {
+        let setup = &scene.setup.bodies[body];
+        let none = || CaseError::Unmeasured(format!("`{}` cannot break", setup.name));
+        let criterion = setup.materials[0].fracture.clone().ok_or_else(none)?;
+        Ok(Self { body, criterion, seen_deg: Ok(Vec::new()) })
+    }
+
+    /// Takes note of the elements that fail now.
+    pub fn look(&mut self, world: &World) {
+        let Ok(seen_deg) = &mut self.seen_deg else { return };
+        for (element, stress) in world.element_stresses(self.body).iter().enumerate() {
+            let stress = PrincipalStress::of(&stress.cauchy_pa);
+            match self.criterion.assess(&stress.measures()) {
+                Ok(found) if found.fails() => {
+                    seen_deg.push((element, steepness_deg(self.criterion.normal(found.rule, &stress, None))));
+                }
+                Ok(_) => {}
+                Err(error) => {
+                    self.seen_deg = Err(error);
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Elements and how steep their planes stood, degrees, look by look.
+    pub fn seen_deg(self) -> Result<Vec<(usize, f64)>, CaseError> {
+        self.seen_deg.map_err(|error| CaseError::Unmeasured(error.to_string()))
+    }
 }
 
 /// Angle between a plane and the horizontal, degrees.

@@ -11,6 +11,7 @@ mod overrides;
 mod refused;
 mod shipped;
 
+use hammerfall::fracture::Criterion;
 use hammerfall::mesh::overlap;
 use hammerfall::scene::{BUILTIN_SCENES, Location, Scene, SceneError, SceneSummary};
 use hammerfall::sim::{BodyMotion, BodySetup, BoundaryAction, ContactMethod, Material, World};

@@ -1,7 +1,7 @@
 //! How a pressed pile fails (METHOD 8, F2): the planes on which it starts to, the band that goes through it by Mohr and
 //! Coulomb's law, the crack that runs along it by tension.
 
-use super::super::cracks::{Cracks, failing_planes, steepness_deg};
+use super::super::cracks::{Cracks, PlaneWatch, steepness_deg};
 use super::super::{CaseError, Effort, Outcome, Plot, Quantity};
 use super::fracture::{crack_place_m, run_to_crack};
 use crate::scene::Scene;
@@ -17,33 +17,26 @@ fn first_planes_deg(effort: &Effort, fracture: &str) -> Result<f64, CaseError> {
     const END_S: f64 = 0.2;
     const PILE: usize = 1;
     let scene = Scene::load("pile-press", &[format!("materials.concrete.fracture={fracture}")])?;
-    let material = scene.setup.bodies[PILE].materials[0].clone();
-    let criterion =
-        material.fracture.ok_or_else(|| CaseError::Unmeasured("the pile cannot break".to_owned()))?;
+    let mut planes = PlaneWatch::new(&scene, PILE)?;
     let mut world = World::new(scene.setup)?;
-    let mut failed_deg = Vec::new();
     let mut next_s = EVERY_S;
-    let mut wrong = None;
     effort.run_while(
         &mut world,
         |world, report| {
             let has_broken = world.sample().crack_area_m2 > 0.0;
             if has_broken || report.time_s >= next_s {
                 next_s = report.time_s + EVERY_S;
-                match failing_planes(world, PILE, &criterion) {
-                    Ok(planes) => failed_deg.extend(planes.iter().map(|(_, normal)| steepness_deg(*normal))),
-                    Err(error) => wrong = Some(error),
-                }
+                planes.look(world);
             }
             !has_broken && world.time_s() < END_S
         },
         END_S,
     )?;
-    wrong.map_or(Ok(()), Err)?;
+    let failed_deg = planes.seen_deg()?;
     if failed_deg.is_empty() {
         return Err(CaseError::Unmeasured("no element of the pile failed".to_owned()));
     }
-    Ok(failed_deg.iter().sum::<f64>() / failed_deg.len() as f64)
+    Ok(failed_deg.iter().map(|(_, plane_deg)| plane_deg).sum::<f64>() / failed_deg.len() as f64)
 }
 
 /// Mean steepness of the first cracks of the shipped pile, by their area, degrees.

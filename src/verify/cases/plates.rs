@@ -3,57 +3,54 @@
 //! By tension they lie flat, one above the other: after the blow the plate springs back up while its bottom is held. By shear they run in
 //! two families that cross, at 45 degrees to the pressure from above by Tresca's law and steeper by Mohr and Coulomb's.
 
-use super::super::cracks::{Cracks, failing_planes, steepness_deg};
+use super::super::cracks::{Cracks, PlaneWatch};
 use super::super::{CaseError, Effort, Outcome, Quantity};
 use crate::scene::Scene;
 use crate::sim::World;
 use glam::DVec2;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Time between looks for elements that fail, s.
 const EVERY_S: f64 = 1e-4;
-/// Where the cube lands.
-const CUBE_M: DVec2 = DVec2::new(0.02, 0.03);
 
 /// How a plate has failed.
 struct Pattern {
     /// By element that failed, of those that the mesh had at the start: steepness of its plane when it first did, degrees.
     planes_deg: Vec<f64>,
     cracks: Cracks,
+    /// Where the cube lands.
+    cube_m: DVec2,
 }
 
 impl Pattern {
     fn of(effort: &Effort, scene: &str) -> Result<Self, CaseError> {
         const PLATE: usize = 0;
+        const CUBE: usize = 1;
         let scene = Scene::load(scene, &[])?;
-        let criterion = scene.setup.bodies[PLATE].materials[0].fracture.clone();
-        let criterion =
-            criterion.ok_or_else(|| CaseError::Unmeasured("the plate cannot break".to_owned()))?;
+        let mut planes = PlaneWatch::new(&scene, PLATE)?;
+        let (low_m, high_m) = scene.setup.bodies[CUBE]
+            .mesh
+            .bounds_m()
+            .ok_or_else(|| CaseError::Unmeasured("there is no cube".to_owned()))?;
+        let elements = scene.setup.bodies[PLATE].mesh.tets.len();
         let mut world = World::new(scene.setup)?;
-        let mut plane_deg: Vec<Option<f64>> = vec![None; world.tets(PLATE).len()];
-        let (mut next_s, mut wrong) = (0.0, None);
+        let mut next_s = 0.0;
         effort.run(&mut world, scene.description.duration_s, |world, report| {
-            if report.time_s < next_s {
-                return;
-            }
-            next_s = report.time_s + EVERY_S;
-            if world.crack_faces(PLATE).next().is_none() {
-                return;
-            }
-            match failing_planes(world, PLATE, &criterion) {
-                Ok(planes) => {
-                    for (element, normal) in planes {
-                        if let Some(first) = plane_deg.get_mut(element) {
-                            first.get_or_insert(steepness_deg(normal));
-                        }
-                    }
+            if report.time_s >= next_s {
+                next_s = report.time_s + EVERY_S;
+                if world.crack_faces(PLATE).next().is_some() {
+                    planes.look(world);
                 }
-                Err(error) => wrong = Some(error),
             }
         })?;
-        wrong.map_or(Ok(()), Err)?;
-        let planes_deg = plane_deg.into_iter().flatten().collect();
-        Ok(Self { planes_deg, cracks: Cracks::of(&world, PLATE) })
+        let mut first_deg = BTreeMap::new();
+        for (element, plane_deg) in planes.seen_deg()?.into_iter().filter(|(element, _)| *element < elements)
+        {
+            first_deg.entry(element).or_insert(plane_deg);
+        }
+        let cube_m = 0.5 * (low_m + high_m).truncate();
+        Ok(Self { planes_deg: first_deg.into_values().collect(), cracks: Cracks::of(&world, PLATE), cube_m })
     }
 }
 
@@ -79,7 +76,7 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
         let lying = quantity(
             "share of crack area within 30 degrees of flat",
             pattern.cracks.at(0.0..30.0).area_m2() / area_m2,
-            f64::from(u8::from(is_torn)),
+            if is_torn { 1.0 } else { 0.0 },
         )
         .by("stacked, nearly parallel by tension only (METHOD 8, F4 to F6)");
         if is_torn {
@@ -99,7 +96,7 @@ pub(in crate::verify) fn measure(effort: &Effort) -> Result<Outcome, CaseError> 
         let inclined = pattern.cracks.at(25.0..75.0);
         let sloping = quantity("share of crack area at 25 to 75 degrees", inclined.area_m2() / area_m2, 1.0);
         all.push(sloping.by("along the directions of largest shear (METHOD 8, F5 and F6)"));
-        let away_m2 = inclined.falling_away_from(CUBE_M).area_m2();
+        let away_m2 = inclined.falling_away_from(pattern.cube_m).area_m2();
         let family =
             quantity("share of those that fall away from the cube", away_m2 / inclined.area_m2(), 0.5);
         all.push(
