@@ -20,5 +20,11 @@ pub fn tell(reached: LimitsReached, console: &Console) -> Result<(), Failure> {
             reached.fragments
         ))?;
     }
+    if reached.speed > 0 {
+        console.closing(format_args!(
+            "limit reached: at {} nodes a crack had to wait, it would have been too fast (fracture.crack_speed)",
+            reached.speed
+        ))?;
+    }
     Ok(())
 }

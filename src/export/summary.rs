@@ -140,9 +140,10 @@ pub struct FractureLimitsReached {
     pub elements: u32,
     /// Nodes at which a cut was left out because a fragment would have been too small.
     pub fragments: u32,
-    /// Cuts put off because a crack would have run faster than it may, or another has relieved what lies beside it; counted at
-    /// every look for failure.
-    pub waiting: u32,
+    /// Nodes at which a crack had to wait because it would have run faster than somebody chose to let it.
+    pub speed: u32,
+    /// Nodes at which no crack started because one close by had just relieved them.
+    pub spacing: u32,
 }
 
 /// One contact of two bodies, from first touch to separation.
@@ -403,8 +404,8 @@ impl Summary {
 
     /// Sets the limits of fracture that were reached.
     pub fn set_fracture_limits(&mut self, reached: LimitsReached) {
-        let LimitsReached { elements, fragments, waiting } = reached;
-        self.fracture_limits_reached = FractureLimitsReached { elements, fragments, waiting };
+        let LimitsReached { elements, fragments, speed, spacing } = reached;
+        self.fracture_limits_reached = FractureLimitsReached { elements, fragments, speed, spacing };
     }
 
     /// Sets the list of contacts.

@@ -65,15 +65,18 @@ pub struct LimitsReached {
     pub elements: u32,
     /// Nodes at which a cut was left out since it would have set free a fragment below the smallest size, each counted once.
     pub fragments: u32,
-    /// Nodes that had to wait because `may_crack` refused an element at them, counted at every call.
-    pub waiting: u32,
+    /// Nodes at which `may_crack` put a crack off, each counted once: a crack that was there would have been too fast.
+    pub speed: u32,
+    /// Nodes at which it let no crack start, each counted once: one close by had just relieved them.
+    pub spacing: u32,
 }
 
 impl std::ops::AddAssign for LimitsReached {
     fn add_assign(&mut self, other: Self) {
         self.elements += other.elements;
         self.fragments += other.fragments;
-        self.waiting += other.waiting;
+        self.speed += other.speed;
+        self.spacing += other.spacing;
     }
 }
 

@@ -114,7 +114,7 @@ impl Solid {
         let candidates = self.candidates(nodes.positions_m, failures, settings.rule);
         let mut surgery = Surgery::begin(self, nodes, settings);
         for candidate in candidates {
-            if surgery.is_free(candidate.node, |element| may_crack(element, candidate.growth()))
+            if surgery.is_free(candidate.node, candidate.growth(), &may_crack)
                 && !surgery.cut_node(candidate.node, candidate.normal)
             {
                 surgery.solid.vain_call[candidate.node as usize] = surgery.solid.calls;
@@ -156,7 +156,7 @@ impl<'a> Surgery<'a> {
 
     /// Whether no element at the node was changed in this call, all of them may crack, and their
     /// fragment is large enough to be broken.
-    fn is_free(&mut self, node: u32, may_crack: impl Fn(u32) -> bool) -> bool {
+    fn is_free(&mut self, node: u32, growth: Growth, may_crack: impl Fn(u32, Growth) -> bool) -> bool {
         let solid = &*self.solid;
         let elements = solid.elements_at(node);
         if elements.iter().any(|&element| solid.touched_in_call[element as usize] == solid.calls) {
@@ -174,9 +174,17 @@ impl<'a> Surgery<'a> {
             self.leave_whole(node);
             return false;
         }
-        let is_allowed = elements.iter().all(|&element| may_crack(element));
-        self.changes.limits.waiting += u32::from(!is_allowed);
-        is_allowed
+        let may = |growth: Growth| elements.iter().all(|&element| may_crack(element, growth));
+        if may(growth) {
+            return true;
+        }
+        let limits = &mut self.changes.limits;
+        if may(Growth::GoesOn) {
+            limits.spacing += u32::from(self.solid.shielded.insert(node));
+        } else {
+            limits.speed += u32::from(self.solid.too_fast.insert(node));
+        }
+        false
     }
 
     /// Notes that a node is not cut since a fragment would be too small.

@@ -118,6 +118,9 @@ pub struct Solid {
     pub(super) vain_call: Vec<u32>,
     /// Nodes at which a cut was left out for the sake of the smallest fragment.
     pub(super) left_whole: BTreeSet<u32>,
+    /// Nodes at which a cut was put off since the crack would have been too fast, and at which none started beside another.
+    pub(super) too_fast: BTreeSet<u32>,
+    pub(super) shielded: BTreeSet<u32>,
 }
 
 impl Solid {
@@ -154,6 +157,8 @@ impl Solid {
             touched_in_call: vec![0; mesh.tets.len()],
             vain_call: vec![0; mesh.nodes_m.len()],
             left_whole: BTreeSet::new(),
+            too_fast: BTreeSet::new(),
+            shielded: BTreeSet::new(),
         })
     }
 

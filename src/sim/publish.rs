@@ -154,6 +154,7 @@ impl World {
             fragments: self.fragments,
             edges_left_whole: limits.elements,
             nodes_left_whole: limits.fragments,
+            nodes_held_up: limits.speed,
             sleeping_bodies: deformable().filter(|b| b.regime == Regime::Asleep).count(),
             steps: self.steps,
         }

@@ -146,6 +146,9 @@ fn frames_tell_when_elements_failed() {
     assert!(!told.contains("limit reached"), "{told}");
     let told = place.succeed("run beam-notch -o limited --set fracture.max_elements=32");
     assert!(told.contains("limit reached: ") && told.contains("(fracture.max_elements)"), "{told}");
+    let told = place.succeed("run beam-notch -o slow --set fracture.crack_speed=0.5");
+    assert!(told.contains("limit reached: ") && told.contains("(fracture.crack_speed)"), "{told}");
+    assert!(place.json("slow/summary.json")["fracture_limits_reached"]["speed"].as_u64() > Some(0));
     let mut earlier: Vec<f64> = Vec::new();
     let mut frame = 0;
     while place.has(&format!("data/frames/frame-{frame:06}.vtu")) {

@@ -193,6 +193,12 @@ pub fn limits_reached(ui: &mut Ui, status: &FrameStatus) {
             status.edges_left_whole
         ));
     }
+    if status.nodes_held_up > 0 {
+        say(format!(
+            "Limit reached: at {} nodes a crack had to wait, it would have been too fast.",
+            status.nodes_held_up
+        ));
+    }
 }
 
 /// Values that sliders start from when somebody wants to choose.
