@@ -48,7 +48,13 @@ fn fine_scenes_differ_in_resolution_only() {
             assert_eq!((a.velocity_m_s, a.spin_rad_s), (b.velocity_m_s, b.spin_rad_s));
         }
         assert_eq!(coarse.setup.contact, fine.setup.contact);
-        assert_eq!(coarse.setup.time, fine.setup.time);
+        // A single element tells a blow truly only in steps far below its stable one.
+        let time = |scene: &Scene| {
+            let mut time = scene.setup.time.clone();
+            time.cfl = fine.setup.time.cfl;
+            time
+        };
+        assert_eq!(time(&coarse), time(&fine));
         assert_eq!(coarse.description.cameras, fine.description.cameras);
     }
 }
