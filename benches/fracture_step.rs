@@ -195,7 +195,6 @@ impl Looker {
             &self.positions_m,
             kinematics,
             Self::SAFE_STRAIN,
-            |_| true,
             fails,
         );
         failed.len()

@@ -164,7 +164,7 @@ pub struct FrameStatus {
     pub edges_left_whole: u32,
     /// Nodes at which a cut was left out because a fragment would have been too small.
     pub nodes_left_whole: u32,
-    /// Nodes at which a crack had to wait because it would have run faster than somebody chose to let it.
+    /// Nodes at which a crack had to wait because it would have run faster than it may.
     pub nodes_held_up: u32,
     /// Bodies at rest and skipped.
     pub sleeping_bodies: usize,

@@ -8,21 +8,19 @@ use crate::fracture::LimitsReached;
 pub fn tell(reached: LimitsReached, console: &Console) -> Result<(), Failure> {
     if reached.elements > 0 {
         console.closing(format_args!(
-            "limit reached: a body has as many elements as it may (fracture.max_elements); {} times a cut ran along the faces \
-             there were",
+            "limit reached: cuts along faces since a body has as many elements as it may (fracture.max_elements): {}",
             reached.elements
         ))?;
     }
     if reached.fragments > 0 {
         console.closing(format_args!(
-            "limit reached: {} nodes were not cut, their fragments would have been too small \
-             (fracture.smallest_fragment)",
+            "limit reached: nodes not cut since a fragment would have been too small (fracture.smallest_fragment): {}",
             reached.fragments
         ))?;
     }
     if reached.speed > 0 {
         console.closing(format_args!(
-            "limit reached: at {} nodes a crack had to wait, it would have been too fast (fracture.crack_speed)",
+            "limit reached: nodes at which a crack had to wait, since it would have been too fast (fracture.crack_speed): {}",
             reached.speed
         ))?;
     }

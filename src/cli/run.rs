@@ -243,9 +243,13 @@ impl Recorder {
         ))?;
         if self.summary.last.crack_area_m2 > 0.0 {
             let (first, last) = (&self.summary.initial, &self.summary.last);
+            let what = match (first.fragments, last.fragments) {
+                (before, after) if after > before => format!("broke from {before} into {after} pieces"),
+                _ => "cracked, but nothing came off".to_owned(),
+            };
             console.closing(format_args!(
-                "broke from {} into {} pieces, {:.3e} m2 of cracks; {} elements became {}",
-                first.fragments, last.fragments, last.crack_area_m2, first.elements, last.elements,
+                "{what}, {:.3e} m2 of cracks; {} elements became {}",
+                last.crack_area_m2, first.elements, last.elements,
             ))?;
             if let Some((body, step_s, floor_s)) = self.world.step_and_its_floor_s() {
                 console.closing(format_args!(

@@ -140,7 +140,7 @@ pub struct FractureLimitsReached {
     pub elements: u32,
     /// Nodes at which a cut was left out because a fragment would have been too small.
     pub fragments: u32,
-    /// Nodes at which a crack had to wait because it would have run faster than somebody chose to let it.
+    /// Nodes at which a crack had to wait because it would have run faster than it may.
     pub speed: u32,
     /// Nodes at which no crack started because one close by had just relieved them.
     pub spacing: u32,

@@ -55,8 +55,8 @@ impl ElementBatches {
         })
     }
 
-    /// What `judge` makes of the index and the Cauchy stress (as [`Self::cauchy_stresses_pa`]) of the elements that are wanted
-    /// and may be strained by `sqrt(E : E) >= strain`, found in the chunks where the last call of [`Self::forces`] met such a
+    /// What `judge` makes of the index and the Cauchy stress (as [`Self::cauchy_stresses_pa`]) of the elements that
+    /// may be strained by `sqrt(E : E) >= strain`, found in the chunks where the last call of [`Self::forces`] met such a
     /// strain; in the order of the chunks, not of the elements. Costs nothing where it met none.
     #[must_use]
     pub fn judge_strained<R: Send>(
@@ -65,13 +65,11 @@ impl ElementBatches {
         positions_m: &[DVec3],
         kinematics: ElementKinematics,
         strain: f64,
-        is_wanted: impl Fn(u32) -> bool + Sync,
         judge: impl Fn(u32, &DMat3) -> Option<R> + Sync,
     ) -> Vec<R> {
         let is_strained = |index: usize| scratch.largest_strain(index).is_none_or(|most| most >= strain);
         let of_chunk = |(_, chunk): (usize, &Chunk)| -> Vec<R> {
-            let wanted = chunk.elements().filter(|(element, _)| is_wanted(*element as u32));
-            let judged = wanted.filter_map(|(element, gradients)| {
+            let judged = chunk.elements().filter_map(|(element, gradients)| {
                 let at = self.stress_of(element, &gradients, positions_m, kinematics);
                 judge(element as u32, &at.cauchy_pa(kinematics))
             });

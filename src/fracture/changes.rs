@@ -65,7 +65,7 @@ pub struct LimitsReached {
     pub elements: u32,
     /// Nodes at which a cut was left out since it would have set free a fragment below the smallest size, each counted once.
     pub fragments: u32,
-    /// Nodes at which `may_crack` put a crack off, each counted once: a crack that was there would have been too fast.
+    /// Nodes at which `may_crack` let a crack not go on yet, each counted once: it would have been too fast.
     pub speed: u32,
     /// Nodes at which it let no crack start, each counted once: one close by had just relieved them.
     pub spacing: u32,

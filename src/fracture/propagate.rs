@@ -174,17 +174,14 @@ impl<'a> Surgery<'a> {
             self.leave_whole(node);
             return false;
         }
-        let may = |growth: Growth| elements.iter().all(|&element| may_crack(element, growth));
-        if may(growth) {
-            return true;
-        }
+        let is_allowed = elements.iter().all(|&element| may_crack(element, growth));
         let limits = &mut self.changes.limits;
-        if may(Growth::GoesOn) {
-            limits.spacing += u32::from(self.solid.shielded.insert(node));
-        } else {
-            limits.speed += u32::from(self.solid.too_fast.insert(node));
+        match growth {
+            _ if is_allowed => {}
+            Growth::GoesOn => limits.speed += u32::from(self.solid.too_fast.insert(node)),
+            Growth::Starts => limits.spacing += u32::from(self.solid.shielded.insert(node)),
         }
-        false
+        is_allowed
     }
 
     /// Notes that a node is not cut since a fragment would be too small.

@@ -1,16 +1,23 @@
 //! What a scene plans that can never happen: it may be run, but is surely not what was meant.
 
 use super::description::{Body, SceneDescription};
+use crate::sim::{BodyMotion, BodySetup, FractureParameters};
 
-/// Everything that can never act: (path, message) of each.
-pub(super) fn doubts(scene: &SceneDescription) -> Vec<(String, String)> {
+/// Everything that can never act in a scene, whose bodies `bodies` are: (path, message) of each.
+pub(super) fn doubts(scene: &SceneDescription, bodies: &[BodySetup]) -> Vec<(String, String)> {
     let idle = Idle { scene };
     let mut found = idle.entrances();
     found.extend(idle.removals());
     found.extend(idle.contact_changes());
     found.extend(idle.pulls());
     found.extend(idle.color_range());
+    found.extend(idle.fracture(bodies));
     found
+}
+
+/// Whether a body can break.
+fn breaks(body: &BodySetup) -> bool {
+    matches!(body.motion, BodyMotion::Deformable(_)) && body.materials.iter().any(|m| m.fracture.is_some())
 }
 
 struct Idle<'a> {
@@ -81,6 +88,25 @@ impl Idle<'_> {
         Some(("recording.color_range".to_owned(), message))
     }
 
+    fn fracture(&self, bodies: &[BodySetup]) -> Option<(String, String)> {
+        let settings = &self.scene.fracture;
+        let mut breaking = bodies.iter().filter(|body| breaks(body)).peekable();
+        if breaking.peek().is_none() {
+            let message =
+                "`fracture` has no effect: nothing that moves is of a material with a `fracture`".to_owned();
+            return (*settings != FractureParameters::default()).then(|| ("fracture".to_owned(), message));
+        }
+        let most = settings.max_elements?;
+        let full = breaking.find(|body| body.mesh.tets.len() > most as usize)?;
+        let message = format!(
+            "`fracture.max_elements` is {most}, but `{}` begins with {} elements: its cracks can only run along the faces \
+             there are",
+            full.name,
+            full.mesh.tets.len()
+        );
+        Some(("fracture.max_elements".to_owned(), message))
+    }
+
     fn contact_changes(&self) -> Vec<(String, String)> {
         let changes = self.scene.contact_changes.iter().enumerate();
         let late = changes.filter_map(|(index, late)| {
@@ -145,6 +171,16 @@ mod tests {
             assert!(found.len() == 1 && found[0].contains(part), "{found:?}");
             assert!(found[0].starts_with("b.toml:"), "{found:?}");
         }
+    }
+
+    #[test]
+    fn limits_of_cracks_that_do_nothing_are_warned_about() {
+        let warnings = |scene: &str, set: &str| Scene::load(scene, &[set.to_owned()]).unwrap().warnings;
+        let idle = warnings("bounce", "fracture.crack_speed=5");
+        assert!(idle.len() == 1 && idle[0].contains("`fracture` has no effect"), "{idle:?}");
+        let full = warnings("cube-wall", "fracture.max_elements=4");
+        assert!(full.len() == 1 && full[0].contains("but `cube` begins with 5 elements"), "{full:?}");
+        assert_eq!(warnings("cube-wall", "fracture.max_elements=5"), [""; 0]);
     }
 
     #[test]

@@ -165,7 +165,7 @@ impl Scene {
             return Err(document.invalid(problems));
         }
         let mut doubts = plausible::doubts(&description);
-        doubts.extend(idle::doubts(&description));
+        doubts.extend(idle::doubts(&description, &built.setup.bodies));
         let doubts = document.problems(located(&document, doubts));
         Ok(Self {
             name: short_name(document.label()),

@@ -50,8 +50,6 @@ pub(super) struct Breaking {
     /// By element: when it first took part in a crack, s; [`super::NEVER_FAILED_S`] before.
     pub failure_times_s: Vec<f64>,
     pub limits: LimitsReached,
-    /// Whether somebody chose `crack_speed_m_s`: cracks that reach their natural speed meet no limit of anybody's.
-    is_speed_chosen: bool,
     /// By node: the fragment that it belongs to.
     fragment_of_node: Vec<u32>,
     pub crack_speed_m_s: f64,
@@ -114,7 +112,6 @@ impl Breaking {
             crack_area_m2: 0.0,
             failure_times_s: vec![NEVER_FAILED_S; solid.tets().len()],
             limits: LimitsReached::default(),
-            is_speed_chosen: parameters.crack_speed_m_s.is_some(),
             fragment_of_node: (0..solid.node_count() as u32).map(|n| fragment_of_node(&solid, n)).collect(),
             crack_speed_m_s,
             step_bound: None,
@@ -171,11 +168,6 @@ impl Breaking {
         let crack_normal = self.solid.crack_normal_near(element, positions_m);
         let normal = criterion.normal(found.rule, &stress, crack_normal);
         Ok(Some(Failure { element, normal, index: found.index }))
-    }
-
-    fn note_limits(&mut self, reached: &LimitsReached) {
-        let speed = if self.is_speed_chosen { reached.speed } else { 0 };
-        self.limits += LimitsReached { speed, ..*reached };
     }
 
     fn take_note(&mut self, changes: &Changes, time_s: f64) {
@@ -281,7 +273,7 @@ impl Body {
         let pace = &breaking.pace;
         let may_crack = |element: u32, growth: Growth| pace.may_crack(element, growth, time_s);
         let changes = breaking.solid.propagate(nodes, &failures, &breaking.propagation, may_crack);
-        breaking.note_limits(&changes.limits);
+        breaking.limits += changes.limits;
         if changes.is_empty() {
             return Ok(None);
         }
@@ -294,11 +286,6 @@ impl Body {
         let (Some(breaking), Some(elasticity)) = (&self.breaking, &self.elasticity) else {
             return Ok(Vec::new());
         };
-        // An element that waits (see `CrackPace`) keeps all of its nodes whole: its failure would change nothing, but who
-        // chose the speed is told of it.
-        let may_go_on = |element: u32| {
-            breaking.is_speed_chosen || breaking.pace.may_crack(element, Growth::GoesOn, time_s)
-        };
         let judge = |element: u32, cauchy_pa: &DMat3| {
             let failure = breaking
                 .failure(element, cauchy_pa, &self.position_m)
@@ -310,7 +297,6 @@ impl Body {
             &self.position_m,
             self.element_kinematics(),
             breaking.safe_strain,
-            may_go_on,
             judge,
         );
         judged.sort_by_key(|(element, _)| *element);

@@ -353,3 +353,23 @@ fn what_is_recorded_beyond_single_precision_is_refused_and_no_sound_key_is_blame
         assert_problems(&scene(recording), &[], &[problem]);
     }
 }
+
+#[test]
+fn what_does_not_go_together_with_breaking_is_refused_with_its_place() {
+    let text = include_str!("../../assets/scenes/cube-wall.toml");
+    let text = text.replace("velocity =", "kinematics = \"body-frame\"\nmass_scaling = 0.1\nvelocity =");
+    let line = text.lines().position(|line| line.starts_with("kinematics")).unwrap() + 1;
+    assert_problems(
+        &text,
+        &[],
+        &[
+            &format!(
+                "{line}: `cube` can break, since `plaster` has a `fracture`; then `kinematics` cannot be"
+            ),
+            &format!(
+                "{}: `cube` can break, since `plaster` has a `fracture`, and cannot have mass scaling",
+                line + 1
+            ),
+        ],
+    );
+}

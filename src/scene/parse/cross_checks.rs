@@ -7,7 +7,7 @@ use super::super::presets::PRESETS;
 use super::super::problem::suggestion;
 use super::super::tree::{Node, Origin};
 use super::is_ground;
-use crate::sim::BodyMotion;
+use crate::sim::{BodyMotion, Kinematics};
 use std::collections::BTreeSet;
 
 /// Checks a scene whose parts have been read one by one.
@@ -15,6 +15,7 @@ pub(super) fn check(scene: &SceneDescription, root: &Node, findings: &Findings) 
     let checks = Checks { scene, root, findings };
     checks.names_differ();
     checks.materials_exist();
+    checks.what_breaks_may_break();
     checks.new_materials_are_used();
     checks.neighbours_exist();
     checks.pairs_exist();
@@ -70,6 +71,32 @@ impl Checks<'_> {
         }
         if let Some(ground) = &self.scene.ground {
             self.material_exists("ground.material", &ground.material);
+        }
+    }
+
+    /// Some settings of a body do not go together with a material that breaks.
+    fn what_breaks_may_break(&self) {
+        let breaks = |name: &str| self.scene.materials.iter().any(|m| m.name == name && m.fracture.is_some());
+        for (path, body) in self.bodies() {
+            let BodyMotion::Deformable(kinematics) = body.motion else { continue };
+            let Some(material) = body.material.names().find(|name| breaks(name)) else { continue };
+            if kinematics == Kinematics::BodyFrame {
+                let message = format!(
+                    "`{}` can break, since `{material}` has a `fracture`; then `kinematics` cannot be \"body-frame\", which \
+                     has one frame for the whole body while pieces turn each by itself: \"green\", \"corotated\" and \
+                     \"neo-hookean\" can",
+                    body.name
+                );
+                self.report(&format!("{path}.kinematics"), message);
+            }
+            if body.mass_scaling_max_share > 0.0 {
+                let message = format!(
+                    "`{}` can break, since `{material}` has a `fracture`, and cannot have mass scaling then; leave one of \
+                     them out",
+                    body.name
+                );
+                self.report(&format!("{path}.mass_scaling"), message);
+            }
         }
     }
 

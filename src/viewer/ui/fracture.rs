@@ -183,19 +183,19 @@ pub fn limits_reached(ui: &mut Ui, status: &FrameStatus) {
     };
     if status.nodes_left_whole > 0 {
         say(format!(
-            "Limit reached: {} nodes were not cut, their fragments would be too small.",
+            "Limit reached: nodes not cut since a fragment would be too small: {}",
             status.nodes_left_whole
         ));
     }
     if status.edges_left_whole > 0 {
         say(format!(
-            "Limit reached: a body has as many elements as it may; {} times a cut ran along faces.",
+            "Limit reached: cuts along faces since a body has as many elements as it may: {}",
             status.edges_left_whole
         ));
     }
     if status.nodes_held_up > 0 {
         say(format!(
-            "Limit reached: at {} nodes a crack had to wait, it would have been too fast.",
+            "Limit reached: nodes at which a crack had to wait, as it would be too fast: {}",
             status.nodes_held_up
         ));
     }
