@@ -1,7 +1,7 @@
 //! What a scene plans that can never happen: it may be run, but is surely not what was meant.
 
 use super::description::{Body, SceneDescription};
-use crate::sim::{BodyMotion, BodySetup, FractureParameters};
+use crate::sim::{BodySetup, FractureParameters};
 
 /// Everything that can never act in a scene, whose bodies `bodies` are: (path, message) of each.
 pub(super) fn doubts(scene: &SceneDescription, bodies: &[BodySetup]) -> Vec<(String, String)> {
@@ -13,11 +13,6 @@ pub(super) fn doubts(scene: &SceneDescription, bodies: &[BodySetup]) -> Vec<(Str
     found.extend(idle.color_range());
     found.extend(idle.fracture(bodies));
     found
-}
-
-/// Whether a body can break.
-fn breaks(body: &BodySetup) -> bool {
-    matches!(body.motion, BodyMotion::Deformable(_)) && body.materials.iter().any(|m| m.fracture.is_some())
 }
 
 struct Idle<'a> {
@@ -90,7 +85,7 @@ impl Idle<'_> {
 
     fn fracture(&self, bodies: &[BodySetup]) -> Option<(String, String)> {
         let settings = &self.scene.fracture;
-        let mut breaking = bodies.iter().filter(|body| breaks(body)).peekable();
+        let mut breaking = bodies.iter().filter(|body| body.can_break()).peekable();
         if breaking.peek().is_none() {
             let message =
                 "`fracture` has no effect: nothing that moves is of a material with a `fracture`".to_owned();

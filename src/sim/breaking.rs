@@ -10,7 +10,9 @@
 use super::body::Body;
 use super::elastic::StepContext;
 use super::release::Releases;
-use super::{BodyMotion, BodySetup, FractureParameters, Kinematics, NEVER_FAILED_S, SimError};
+use super::{
+    BodyMotion, BodySetup, FractureParameters, Kinematics, NEVER_FAILED_S, SimError, bars_to_breaking,
+};
 use crate::fem::{ElasticConstants, ElementBatches, StepBound};
 use crate::fracture::{
     Changes, CrackPace, Criterion, CriterionError, Failure, FractureLimits, Growth, LimitsReached, NodeState,
@@ -68,21 +70,14 @@ impl Breaking {
     /// [`SimError::Setup`] where fracture does not go together with something else.
     pub fn new(setup: &BodySetup, parameters: &FractureParameters) -> Result<Option<Self>, SimError> {
         let BodyMotion::Deformable(kinematics) = setup.motion else { return Ok(None) };
-        if setup.materials.iter().all(|m| m.fracture.is_none()) {
+        if !setup.can_break() {
             return Ok(None);
         }
         let fail = |text: String| SimError::Setup(format!("body `{}`: {text}", setup.name));
-        if kinematics == Kinematics::BodyFrame {
-            return Err(fail(
-                "a body that can break cannot have kinematics \"body-frame\", which has one frame for the whole body while \
-                 fragments turn each by itself; \"green\", \"corotated\" and \"neo-hookean\" can"
-                    .to_owned(),
-            ));
-        }
-        if setup.mass_scaling_max_share > 0.0 {
-            return Err(fail(
-                "a body that can break cannot have mass scaling; leave one of them out".to_owned(),
-            ));
+        if let Some(why) =
+            bars_to_breaking(kinematics, setup.mass_scaling_max_share).into_iter().flatten().next()
+        {
+            return Err(fail(format!("a body that can break {why}")));
         }
         let constants = super::body::elastic_constants(setup)?;
         let of_element = |e: usize| constants[setup.element_material[e] as usize];

@@ -181,6 +181,26 @@ impl BodySetup {
             mass_scaling_max_share: 0.0,
         }
     }
+
+    /// Whether the body can break.
+    #[must_use]
+    pub fn can_break(&self) -> bool {
+        matches!(self.motion, BodyMotion::Deformable(_))
+            && self.materials.iter().any(|m| m.fracture.is_some())
+    }
+}
+
+/// Why a body with a material that breaks cannot be of these kinematics, and why it cannot have this mass scaling (the largest
+/// share, see [`BodySetup::mass_scaling_max_share`]): the end of a sentence that begins with "a body that can break".
+#[must_use]
+pub fn bars_to_breaking(kinematics: Kinematics, mass_scaling_max_share: f64) -> [Option<&'static str>; 2] {
+    let of_kinematics = "cannot have kinematics \"body-frame\", which has one frame for the whole body while pieces turn each \
+                         by itself; \"green\", \"corotated\" and \"neo-hookean\" can";
+    let of_scaling = "cannot have mass scaling; leave one of them out";
+    [
+        (kinematics == Kinematics::BodyFrame).then_some(of_kinematics),
+        (mass_scaling_max_share > 0.0).then_some(of_scaling),
+    ]
 }
 
 /// How contact is enforced.

@@ -363,13 +363,8 @@ fn what_does_not_go_together_with_breaking_is_refused_with_its_place() {
         &text,
         &[],
         &[
-            &format!(
-                "{line}: `cube` can break, since `plaster` has a `fracture`; then `kinematics` cannot be"
-            ),
-            &format!(
-                "{}: `cube` can break, since `plaster` has a `fracture`, and cannot have mass scaling",
-                line + 1
-            ),
+            &format!("{line}: `plaster` has a `fracture`, and a body that can break cannot have kinematics"),
+            &format!("{}: `plaster` has a `fracture`, and a body that can break cannot have mass", line + 1),
         ],
     );
 }

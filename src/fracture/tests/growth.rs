@@ -212,8 +212,8 @@ fn cracks_wait_for_their_pace_and_say_so() {
     // At 100 m/s a crack needs 40 ms for the 4 m to the far side, give or take a ring.
     let time_s = f64::from(steps) * 2e-3;
     assert!((0.025..0.08).contains(&time_s) && pauses > 5, "{time_s} s, {pauses} pauses");
-    // Each of the nodes that waited counts once, however long it did.
-    assert!(told > 1 && told as usize == specimen.solid.too_fast.len(), "{told} nodes");
+    // In each pause some node waits: counted at every call they would be more than the pauses.
+    assert!(told > 1 && told < pauses, "{told} nodes in {pauses} pauses");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::super::presets::PRESETS;
 use super::super::problem::suggestion;
 use super::super::tree::{Node, Origin};
 use super::is_ground;
-use crate::sim::{BodyMotion, Kinematics};
+use crate::sim::{BodyMotion, bars_to_breaking};
 use std::collections::BTreeSet;
 
 /// Checks a scene whose parts have been read one by one.
@@ -80,22 +80,12 @@ impl Checks<'_> {
         for (path, body) in self.bodies() {
             let BodyMotion::Deformable(kinematics) = body.motion else { continue };
             let Some(material) = body.material.names().find(|name| breaks(name)) else { continue };
-            if kinematics == Kinematics::BodyFrame {
-                let message = format!(
-                    "`{}` can break, since `{material}` has a `fracture`; then `kinematics` cannot be \"body-frame\", which \
-                     has one frame for the whole body while pieces turn each by itself: \"green\", \"corotated\" and \
-                     \"neo-hookean\" can",
-                    body.name
-                );
-                self.report(&format!("{path}.kinematics"), message);
-            }
-            if body.mass_scaling_max_share > 0.0 {
-                let message = format!(
-                    "`{}` can break, since `{material}` has a `fracture`, and cannot have mass scaling then; leave one of \
-                     them out",
-                    body.name
-                );
-                self.report(&format!("{path}.mass_scaling"), message);
+            let bars = bars_to_breaking(kinematics, body.mass_scaling_max_share);
+            for (key, why) in ["kinematics", "mass_scaling"].into_iter().zip(bars) {
+                if let Some(why) = why {
+                    let message = format!("`{material}` has a `fracture`, and a body that can break {why}");
+                    self.report(&format!("{path}.{key}"), message);
+                }
             }
         }
     }
