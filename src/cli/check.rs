@@ -8,7 +8,7 @@ use crate::fem::{ElasticConstants, ElementBatches};
 use crate::mesh::import::{ImportError, ImportOptions, ImportedMesh, Problem, read_mesh};
 use crate::mesh::{MeshReport, TetMesh};
 use crate::scene::{PRESETS, Scene, SceneSummary};
-use crate::sim::{Material, World, WorldSetup};
+use crate::sim::{World, WorldSetup};
 use clap::Args;
 use std::path::Path;
 use std::time::Instant;
@@ -79,10 +79,14 @@ const MOST_FOR_BREAKING: f64 = 50.0;
 
 /// What can break, and what that may come to; `None` when nothing can.
 fn breaking_words(scene: &Scene, total_s: f64) -> Option<String> {
-    let used: Vec<&str> = scene.description.bodies.iter().flat_map(|body| body.material.names()).collect();
-    let can_break =
-        |material: &&Material| material.fracture.is_some() && used.contains(&material.name.as_str());
-    let materials = scene.description.materials.iter().filter(can_break);
+    let bodies = scene.setup.bodies.iter().filter(|body| body.can_break());
+    let breaking: Vec<&str> = bodies
+        .flat_map(|body| &body.materials)
+        .filter(|material| material.fracture.is_some())
+        .map(|material| material.name.as_str())
+        .collect();
+    let materials = scene.description.materials.iter();
+    let materials = materials.filter(|material| breaking.contains(&material.name.as_str()));
     let names: Vec<String> = materials.map(|material| format!("`{}`", material.name)).collect();
     (!names.is_empty()).then(|| {
         format!(
